@@ -1,0 +1,1 @@
+//! Pose a mesh by handles.
