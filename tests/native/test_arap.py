@@ -1,5 +1,7 @@
 """ARAP: exactness, an independent dense implementation, and the survey's poses."""
 
+from itertools import pairwise
+
 import lissom
 import numpy as np
 import pytest
@@ -7,7 +9,7 @@ from shapes import diagonal, moved, rigid, tube
 
 # Energies that libigl 2.6.3 (spokes and rims) has after 1000 iterations from the rest pose,
 # in the units of the data: what a converged solve must not exceed.
-SURVEY = {"bar": 78.21, "cactus": 0.004287, "cylinder": None, "plane": None}
+SURVEY = {"bar": 78.206, "cactus": 0.0042867, "cylinder": 1.53800, "plane": 4.5853}
 
 
 def half_cotangents(v, f):
@@ -113,7 +115,7 @@ def test_the_rest_pose_stays():
 
 def test_handles_are_copied_exactly_and_all_outside_the_region_stays():
     vertices, faces = tube()
-    low, high = ends(vertices)
+    _, high = ends(vertices)
     roi = np.flatnonzero(vertices[:, 0] > 2.0)
     motion = rigid((0, 0, 1), 0.7, (0.1, 0.2, 0.3))
     result = lissom.Pose(lissom.Mesh(vertices, faces), [high], roi=roi).solve([motion])
@@ -159,7 +161,7 @@ def test_the_energy_never_rises_and_a_warm_start_goes_on():
     goal = [np.eye(4), rigid((0, 1, 0), 2.0, (0, 1, -2))]
     few = [pose.solve(goal, max_iterations=k, tolerance=0, warm_start=False) for k in (0, 1, 5, 20, 60)]
     energies = [r.report["energy"] for r in few]
-    assert all(b <= a * (1 + 1e-12) for a, b in zip(energies, energies[1:], strict=False))
+    assert all(b <= a * (1 + 1e-12) for a, b in pairwise(energies))
     again = pose.solve(goal, max_iterations=1, tolerance=0)
     assert again.report["energy"] <= energies[-1] * (1 + 1e-12)
 
@@ -179,5 +181,5 @@ def test_survey(data, name):
     v, f, status = (archive[f"{name}_{part}"] for part in ("vertices", "faces", "status"))
     handles = [np.flatnonzero(status == 0), np.flatnonzero(status == 2)]
     pose = lissom.Pose(lissom.Mesh(v, f), handles)
-    result = pose.solve([np.eye(4), archive[f"{name}_transform"]], max_iterations=3000)
+    result = pose.solve([np.eye(4), archive[f"{name}_transform"]], max_iterations=400)
     assert energy(v, f, result.vertices) <= SURVEY[name]
