@@ -65,6 +65,25 @@ impl Mesh {
         })
     }
 
+    /// The part of a mesh that some of its triangles make up, in the unit coordinates of the whole.
+    ///
+    /// `whole` lists its vertices by their index in the whole, `triangles` indexes into `whole`.
+    pub(crate) fn part(&self, whole: &[u32], triangles: Vec<[u32; 3]>) -> Self {
+        let rest: Vec<Vec3> = whole.iter().map(|&v| self.rest[v as usize]).collect();
+        Self {
+            vertices: whole.iter().map(|&v| self.vertices[v as usize]).collect(),
+            frame: self.frame,
+            triangle_ids: (0..triangles.len() as u32).collect(),
+            input_triangles: triangles.len(),
+            adjacency: Adjacency::of(whole.len(), &triangles),
+            components: Components::of(whole.len(), &triangles),
+            geometry: TriangleGeometry::of(&rest, &triangles),
+            rest,
+            triangles,
+            warnings: Vec::new(),
+        }
+    }
+
     /// Positions as given, in the mesh's own units.
     pub fn vertices(&self) -> &[Vec3] {
         &self.vertices
