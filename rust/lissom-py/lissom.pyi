@@ -46,7 +46,13 @@ class Posed:
 
 class Pose:
     def __init__(
-        self, mesh: Mesh, handles: Sequence[ArrayLike], roi: ArrayLike | None = None, method: str = "arap"
+        self,
+        mesh: Mesh,
+        handles: Sequence[ArrayLike],
+        roi: ArrayLike | None = None,
+        method: str = "arap",
+        handle_weights: Sequence[ArrayLike | None] | None = None,
+        **options: Any,
     ) -> None: ...
     @property
     def warnings(self) -> list[str]: ...
@@ -54,6 +60,7 @@ class Pose:
         self,
         transforms: ArrayLike,
         *,
+        turns: ArrayLike | None = None,
         max_iterations: int = 200,
         tolerance: float = 1e-6,
         warm_start: bool = True,
@@ -70,6 +77,7 @@ class Pose:
         self,
         transforms: ArrayLike,
         *,
+        turns: ArrayLike | None = None,
         max_iterations: int = 200,
         tolerance: float = 1e-6,
         warm_start: bool = True,

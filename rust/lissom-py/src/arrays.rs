@@ -144,6 +144,26 @@ pub fn vertex_lists(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<u3
     items.enumerate().map(|(i, item)| vertex_list(&format!("{name}[{i}]"), &item?)).collect()
 }
 
+/// A sequence of (k,) numbers or None.
+pub fn number_lists(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Option<Vec<f64>>>> {
+    let items = value.try_iter().map_err(|_| {
+        PyTypeError::new_err(format!("{name}: expected a list of 1-D arrays or None, one per handle"))
+    })?;
+    let list = |(i, item): (usize, PyResult<Bound<'_, PyAny>>)| {
+        let item = item?;
+        if item.is_none() { Ok(None) } else { numbers(&format!("{name}[{i}]"), &item).map(Some) }
+    };
+    items.enumerate().map(list).collect()
+}
+
+/// Refuses a sequence of another length.
+pub fn expect_length(name: &str, given: usize, wanted: usize) -> PyResult<()> {
+    if given == wanted {
+        return Ok(());
+    }
+    Err(PyValueError::new_err(format!("{name}: expected {wanted} items, got {given}")))
+}
+
 fn flat(points: &[Vec3]) -> impl Iterator<Item = f64> + '_ {
     points.iter().flat_map(|p| p.to_array())
 }

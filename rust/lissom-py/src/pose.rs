@@ -3,13 +3,17 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use lissom::Job;
-use lissom::pose::{METHODS, Pose, Posed, Report, SolveOptions};
+use lissom::pose::{
+    Handle, Hold, METHODS, MethodOptions, Pose, Posed, Report, SolveOptions, arap, laplacian,
+};
+use lissom::{Error, Fault, Vec3};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::job::{PyJob, run_value};
 use crate::mesh::PyMesh;
-use crate::{arrays, job};
+use crate::{arrays, errors, job};
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("POSE_METHODS", PyTuple::new(module.py(), METHODS)?)?;
@@ -41,14 +45,76 @@ fn posed(py: Python<'_>, posed: Posed) -> PyResult<Py<PyAny>> {
     Ok(Py::new(py, PyPosed { vertices, report })?.into_any())
 }
 
+/// Keyword options, taken one by one; what is left over at the end was not asked for.
+struct Options<'py> {
+    method: String,
+    given: Bound<'py, PyDict>,
+    known: Vec<&'static str>,
+}
+
+impl<'py> Options<'py> {
+    fn value<T: for<'a> FromPyObject<'a, 'py>>(&mut self, name: &'static str, default: T) -> PyResult<T> {
+        self.known.push(name);
+        match self.given.get_item(name)? {
+            None => Ok(default),
+            Some(value) => {
+                self.given.del_item(name)?;
+                let wrong = || PyTypeError::new_err(format!("{name}: cannot be {value:?}"));
+                value.extract::<T>().map_err(|_| wrong())
+            }
+        }
+    }
+
+    fn choice<T: Copy>(&mut self, name: &'static str, kinds: &[(&str, T)]) -> PyResult<T> {
+        let given = self.value(name, kinds[0].0.to_owned())?;
+        arrays::choice(self.given.py(), name, &given, kinds)
+    }
+
+    /// Options that every method has.
+    fn hold(&mut self) -> PyResult<Hold> {
+        let soft = self.choice("constraints", &[("hard", false), ("soft", true)])?;
+        let weight = self.value("weight", 1.0)?;
+        Ok(if soft { Hold::Soft(weight) } else { Hold::Hard })
+    }
+
+    /// The options of one method.
+    fn method(&mut self) -> PyResult<MethodOptions> {
+        Ok(match self.method.as_str() {
+            "laplacian" => {
+                let kinds =
+                    [("cotangent", laplacian::Weights::Cotangent), ("uniform", laplacian::Weights::Uniform)];
+                MethodOptions::Laplacian(laplacian::Options { weights: self.choice("weights", &kinds)? })
+            }
+            "arap" => MethodOptions::Arap(arap::Options::default()),
+            other => {
+                let problem = format!("no method named '{other}', there are {}", METHODS.join(", "));
+                let error = Error::InvalidValue(Fault::new("method", problem));
+                return Err(errors::to_python(self.given.py(), error));
+            }
+        })
+    }
+
+    fn finish(self) -> PyResult<()> {
+        let Some(name) = self.given.keys().iter().next() else { return Ok(()) };
+        let (method, known) = (self.method, self.known.join(", "));
+        Err(PyTypeError::new_err(format!("Pose: '{method}' has no option {name}; it has {known}")))
+    }
+}
+
 /// A mesh with handles, ready to be posed again and again.
 ///
-/// Pose(mesh, handles, roi=None, method="arap"): `handles` is a list of 1-D vertex index arrays, one
-/// per handle; `roi` the indices of the vertices that may move, None for all; `method` one of
-/// POSE_METHODS. Binding factors the system; solving is then quick.
+/// Pose(mesh, handles, roi=None, method="arap", handle_weights=None, **options): `handles` is a list of
+/// 1-D vertex index arrays, one per handle; `roi` the indices of the vertices that may move, None for
+/// all; `method` one of POSE_METHODS; `handle_weights`, if given, a list of one array per handle (or None)
+/// of how much each of its vertices belongs to it, above 0 and at most 1. Binding factors the system;
+/// solving is then quick.
+///
+/// Every method has constraints="hard" | "soft" and weight=1.0 (of soft constraints). Further options:
+/// laplacian: weights="cotangent" | "uniform".
 ///
 /// Raises InvalidConstraint for no or empty handles, a vertex in two handles, indices out of range and
-/// an empty region, InvalidValue for an unknown method, SolveFailed where the system cannot be factored.
+/// an empty region, InvalidValue for an unknown method or option value, SolveFailed where the system
+/// cannot be factored.
 #[pyclass(name = "Pose", module = "lissom", frozen)]
 pub struct PyPose {
     pose: Arc<Mutex<Pose>>,
@@ -59,11 +125,18 @@ pub struct PyPose {
 type Work = Box<dyn FnOnce(&Job) -> lissom::Result<Posed> + Send>;
 
 impl PyPose {
-    fn by_transforms(&self, transforms: &Bound<'_, PyAny>, options: SolveOptions) -> PyResult<Work> {
+    fn by_transforms(
+        &self,
+        transforms: &Bound<'_, PyAny>,
+        turns: Option<&Bound<'_, PyAny>>,
+        options: SolveOptions,
+    ) -> PyResult<Work> {
         let transforms = arrays::matrices("transforms", transforms)?;
+        let turns: Option<Vec<Vec3>> = turns.map(|turns| arrays::points("turns", turns)).transpose()?;
         let pose = self.pose.clone();
         Ok(Box::new(move |job| {
-            pose.lock().unwrap_or_else(PoisonError::into_inner).solve(&transforms, &options, job)
+            let mut pose = pose.lock().unwrap_or_else(PoisonError::into_inner);
+            pose.solve(&transforms, turns.as_deref(), &options, job)
         }))
     }
 
@@ -79,17 +152,32 @@ impl PyPose {
 #[pymethods]
 impl PyPose {
     #[new]
-    #[pyo3(signature = (mesh, handles, roi=None, method="arap"))]
+    #[pyo3(signature = (mesh, handles, roi=None, method="arap", handle_weights=None, **options))]
     fn new(
         mesh: &Bound<'_, PyMesh>,
         handles: &Bound<'_, PyAny>,
         roi: Option<&Bound<'_, PyAny>>,
         method: &str,
+        handle_weights: Option<&Bound<'_, PyAny>>,
+        options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let handles = arrays::vertex_lists("handles", handles)?;
+        let py = mesh.py();
+        let mut handles: Vec<Handle> =
+            arrays::vertex_lists("handles", handles)?.into_iter().map(Handle::from).collect();
+        if let Some(weights) = handle_weights {
+            let lists = arrays::number_lists("handle_weights", weights)?;
+            arrays::expect_length("handle_weights", lists.len(), handles.len())?;
+            for (handle, list) in handles.iter_mut().zip(lists) {
+                handle.membership = list;
+            }
+        }
         let roi = roi.map(|roi| arrays::vertex_list("roi", roi)).transpose()?;
-        let (shared, method) = (mesh.get().0.clone(), method.to_owned());
-        let pose = run_value(mesh.py(), move |_| Pose::new(shared, handles, roi.as_deref(), &method))?;
+        let given = options.map_or_else(|| Ok(PyDict::new(py)), |given| given.copy())?;
+        let mut options = Options { method: method.to_owned(), given, known: Vec::new() };
+        let (method, hold) = (options.method()?, options.hold()?);
+        options.finish()?;
+        let shared = mesh.get().0.clone();
+        let pose = run_value(py, move |_| Pose::new(shared, handles, roi.as_deref(), hold, &method))?;
         let warnings = pose.warnings().to_vec();
         Ok(Self { pose: Arc::new(Mutex::new(pose)), warnings })
     }
@@ -103,21 +191,25 @@ impl PyPose {
     /// Poses by one affine matrix per handle.
     ///
     /// transforms (h, 4, 4): rest to posed, in the mesh's own units, acting on column vectors.
+    /// turns (h, 3): rotation vectors (axis times angle, radians) that say by how many whole turns each
+    /// handle rotates; a matrix alone says at most half a turn.
     /// Iterative methods stop after `max_iterations`, or when an iteration lowers the energy by less than
     /// the fraction `tolerance`; with `warm_start` they go on from the previous pose.
     ///
     /// Returns an object with `vertices` (n, 3) and `report`. Raises InvalidConstraint for a wrong number
     /// of matrices and for values that are not finite.
-    #[pyo3(signature = (transforms, *, max_iterations=SolveOptions::default().max_iterations,
+    #[pyo3(signature = (transforms, *, turns=None, max_iterations=SolveOptions::default().max_iterations,
                         tolerance=SolveOptions::default().tolerance, warm_start=true))]
     fn solve(
         &self,
         transforms: &Bound<'_, PyAny>,
+        turns: Option<&Bound<'_, PyAny>>,
         max_iterations: usize,
         tolerance: f64,
         warm_start: bool,
     ) -> PyResult<Py<PyAny>> {
-        let work = self.by_transforms(transforms, SolveOptions { max_iterations, tolerance, warm_start })?;
+        let work =
+            self.by_transforms(transforms, turns, SolveOptions { max_iterations, tolerance, warm_start })?;
         job::run(transforms.py(), work, posed)
     }
 
@@ -138,16 +230,18 @@ impl PyPose {
     }
 
     /// `solve` in the background: returns a Job at once.
-    #[pyo3(signature = (transforms, *, max_iterations=SolveOptions::default().max_iterations,
+    #[pyo3(signature = (transforms, *, turns=None, max_iterations=SolveOptions::default().max_iterations,
                         tolerance=SolveOptions::default().tolerance, warm_start=true))]
     fn start(
         &self,
         transforms: &Bound<'_, PyAny>,
+        turns: Option<&Bound<'_, PyAny>>,
         max_iterations: usize,
         tolerance: f64,
         warm_start: bool,
     ) -> PyResult<PyJob> {
-        let work = self.by_transforms(transforms, SolveOptions { max_iterations, tolerance, warm_start })?;
+        let work =
+            self.by_transforms(transforms, turns, SolveOptions { max_iterations, tolerance, warm_start })?;
         PyJob::start(work, posed)
     }
 }

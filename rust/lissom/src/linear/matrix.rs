@@ -33,6 +33,44 @@ impl SymmetricMatrix {
         Self::from_entries(n, diagonal.chain(entries))
     }
 
+    /// `sum over rows (w, a) of w a a^T`, where a row is a list of `(column, value)` that names no column
+    /// twice.
+    pub fn normal<'a>(n: usize, rows: impl IntoIterator<Item = (f64, &'a [(u32, f64)])>) -> Self {
+        let mut entries = Vec::new();
+        for (w, row) in rows {
+            for (k, &(i, a)) in row.iter().enumerate() {
+                entries.extend(row[..=k].iter().map(|&(j, b)| (i, j, w * a * b)));
+            }
+        }
+        Self::from_entries(n, entries)
+    }
+
+    /// The rows in full, as lists of `(column, value)`.
+    pub fn rows(&self) -> Vec<Vec<(u32, f64)>> {
+        let mut rows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); self.size()];
+        for (i, j, value) in self.entries() {
+            rows[i as usize].push((j, value));
+            if i != j {
+                rows[j as usize].push((i, value));
+            }
+        }
+        rows
+    }
+
+    /// `A D A` with a diagonal `D`.
+    pub fn sandwich(&self, diagonal: &[f64]) -> Self {
+        let rows = self.rows();
+        Self::normal(self.size(), diagonal.iter().copied().zip(rows.iter().map(Vec::as_slice)))
+    }
+
+    /// `a A + b B` with another matrix `B` of the same size.
+    pub fn combine(&self, a: f64, other: &Self, b: f64) -> Self {
+        let scaled = |m: &Self, factor: f64| m.entries().map(move |(i, j, v)| (i, j, factor * v)).collect();
+        let (mut entries, more): (Vec<_>, Vec<_>) = (scaled(self, a), scaled(other, b));
+        entries.extend(more);
+        Self::from_entries(self.size(), entries)
+    }
+
     /// Number of rows and columns.
     pub fn size(&self) -> usize {
         self.0.nrows()

@@ -71,8 +71,8 @@ impl ConstrainedSystem {
         &self.symbolic
     }
 
-    /// Solves for the free rows of `x`, whose fixed rows are given; `rhs` and `x` have one row per
-    /// vertex. Soft targets enter through `rhs`: add `weight * target` to their rows.
+    /// Solves for the free rows of `x`, one row per vertex, as in `rhs`. On entry the fixed rows of `x`
+    /// hold what is given, and the rows of soft constraints their targets.
     pub fn solve(&self, rhs: &Columns, x: &mut Columns) {
         assert_eq!(rhs.rows(), self.constraints.vertex_count(), "one row per vertex");
         assert_eq!((x.rows(), x.count()), (rhs.rows(), rhs.count()), "unknowns match right-hand sides");
@@ -85,6 +85,11 @@ impl ConstrainedSystem {
             }
             for &(slot, vertex, value) in &self.coupling {
                 column[slot as usize] -= value * given[vertex as usize];
+            }
+            for &(vertex, weight) in self.constraints.soft() {
+                if let Some(slot) = self.constraints.slot(vertex) {
+                    column[slot as usize] += weight * given[vertex as usize];
+                }
             }
         }
         self.factor.solve(&mut reduced);

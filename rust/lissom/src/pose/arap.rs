@@ -19,7 +19,7 @@
 use rayon::prelude::*;
 
 use super::anderson::Anderson;
-use super::harmonic::harmonic;
+use super::field::Field;
 use super::{Goal, Method, Region, Solution, SolveOptions};
 use crate::operators::gradient::outer;
 use crate::rotation::{exp, nearest_rotation};
@@ -28,6 +28,10 @@ use crate::{Job, Mat3, Mesh, Result, Vec3};
 
 /// An energy below this fraction of that of the edges themselves is zero but for rounding.
 const NOTHING: f64 = 1e-14;
+
+/// Options of ARAP.
+#[derive(Debug, Clone, Default)]
+pub struct Options {}
 
 /// ARAP bound to a region.
 #[derive(Debug)]
@@ -42,15 +46,17 @@ impl Arap {
     /// # Errors
     ///
     /// [`crate::Error::SolveFailed`] where that fails.
-    pub fn new(region: &Region) -> Result<Self> {
+    pub fn new(region: &Region, _options: &Options) -> Result<Self> {
         let stitcher = Stitcher::new(region.mesh(), region.constraints().clone())?;
         Ok(Self { stitcher, previous: None })
     }
 
     /// Targets to start from: the handles' rotations, spread as harmonic rotation vectors. Where all
     /// given vertices move by the same rigid motion, that motion.
-    fn guess(&self, mesh: &Mesh, goal: &Goal) -> Vec<Mat3> {
-        let field = harmonic(self.stitcher.system(), &goal.rotations);
+    fn guess(&self, region: &Region, goal: &Goal) -> Vec<Mat3> {
+        let mesh = region.mesh();
+        let field = region.at_handles(|h| goal.handles[h].rotation);
+        let field = Field::spread(self.stitcher.system(), &field);
         let rotations: Vec<Mat3> = field.into_par_iter().map(exp).collect();
         corner_means(mesh, &rotations)
     }
@@ -66,7 +72,7 @@ impl Method for Arap {
         };
         let mut x = match &self.previous {
             Some(targets) if options.warm_start => stitch(targets),
-            _ => stitch(&self.guess(mesh, goal)),
+            _ => stitch(&self.guess(region, goal)),
         };
         let mut fit = Fit::of(mesh, &x);
         let mut acceleration = Anderson::default();
@@ -88,7 +94,7 @@ impl Method for Arap {
             quiet = if small { quiet + 1 } else { 0 };
         }
         self.previous = Some(fit.targets);
-        let energy = fit.energy.max(0.0);
+        let energy = Some(fit.energy.max(0.0));
         Ok(Solution { displacements: x, iterations, energy, converged: quiet == 2 })
     }
 }

@@ -6,23 +6,77 @@
 //!
 //! | file | method | chooses |
 //! |---|---|---|
+//! | [`laplacian`] | Laplacian editing | the rest pose's Laplacian coordinates, as they are |
 //! | [`arap`] | as rigid as possible | the rotations that fit the current shape best, again and again |
 
 mod anderson;
 pub mod arap;
-mod harmonic;
+mod field;
+pub mod laplacian;
 mod region;
+mod responses;
 
 use std::sync::Arc;
 use std::time::Instant;
 
 pub use region::Region;
+pub use responses::{Linear, Response};
 
-use crate::rotation::{log, nearest_rotation};
+use crate::rotation::{log, nearest_branch, nearest_rotation};
 use crate::{Error, Fault, Job, Mat3, Mat4, Mesh, Result, Vec3};
 
 /// Names of the methods, as in `lissom.POSE_METHODS`.
-pub const METHODS: &[&str] = &["arap"];
+pub const METHODS: &[&str] = &["laplacian", "arap"];
+
+/// A method and its options; one of [`METHODS`] each.
+#[derive(Debug, Clone)]
+pub enum MethodOptions {
+    /// [`laplacian`]
+    Laplacian(laplacian::Options),
+    /// [`arap`]
+    Arap(arap::Options),
+}
+
+impl Default for MethodOptions {
+    fn default() -> Self {
+        Self::Arap(arap::Options::default())
+    }
+}
+
+impl MethodOptions {
+    fn bind(&self, region: &Region) -> Result<Box<dyn Method>> {
+        Ok(match self {
+            Self::Laplacian(options) => Box::new(Linear::new(laplacian::Laplacian::new(region, options)?)),
+            Self::Arap(options) => Box::new(arap::Arap::new(region, options)?),
+        })
+    }
+}
+
+/// Vertices that move together.
+#[derive(Debug, Clone)]
+pub struct Handle {
+    /// The vertices.
+    pub vertices: Vec<u32>,
+    /// How much each belongs to the handle, above 0 and at most 1; `None` where all do wholly. A vertex
+    /// of membership `m < 1` stays free, and is pulled with the weight `m / (1 - m)`.
+    pub membership: Option<Vec<f64>>,
+}
+
+impl From<Vec<u32>> for Handle {
+    fn from(vertices: Vec<u32>) -> Self {
+        Self { vertices, membership: None }
+    }
+}
+
+/// How the handles hold their vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Hold {
+    /// Exactly: they are eliminated.
+    #[default]
+    Hard,
+    /// With this weight, squared in the energy (thesis 2.2, equation 2-4).
+    Soft(f64),
+}
 
 /// How long an iterative method goes on, and from where.
 #[derive(Debug, Clone, Copy)]
@@ -46,8 +100,8 @@ impl Default for SolveOptions {
 pub struct Report {
     /// Iterations, 1 for linear methods.
     pub iterations: usize,
-    /// The method's energy at the end, in unit coordinates.
-    pub energy: f64,
+    /// The energy at the end, in unit coordinates; `None` for linear methods.
+    pub energy: Option<f64>,
     /// Whether the tolerance was reached.
     pub converged: bool,
     /// Time of the solve.
@@ -66,12 +120,25 @@ pub struct Posed {
 }
 
 /// Where the handles ask the region to go, in unit coordinates of the region's mesh.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Goal {
-    /// Displacement of every vertex that is given; zero elsewhere.
+    /// Displacement of every vertex that is given or pulled; zero elsewhere.
     pub displacements: Vec<Vec3>,
-    /// Rotation vector of every vertex that is given: its handle's rotation; zero elsewhere.
-    pub rotations: Vec<Vec3>,
+    /// Motion of every handle.
+    pub handles: Vec<Motion>,
+    /// Whether the displacements are those of the handles' affine motions, and not of single points.
+    pub affine: bool,
+}
+
+/// How a handle moves as a whole.
+#[derive(Debug, Clone, Copy)]
+pub struct Motion {
+    /// Rotation vector: axis times angle, with whole turns.
+    pub rotation: Vec3,
+    /// The linear part, `R S`.
+    pub linear: Mat3,
+    /// Displacement of the origin of unit coordinates.
+    pub offset: Vec3,
 }
 
 /// What a method makes of a goal.
@@ -81,8 +148,8 @@ pub struct Solution {
     pub displacements: Vec<Vec3>,
     /// Iterations done.
     pub iterations: usize,
-    /// Energy at the end.
-    pub energy: f64,
+    /// Energy at the end, of iterative methods.
+    pub energy: Option<f64>,
     /// Whether the tolerance was reached.
     pub converged: bool,
 }
@@ -106,26 +173,25 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// Binds `handles` (vertex indices, one list per handle) on `mesh`.
+    /// Binds `handles` on `mesh`.
     ///
     /// `roi` lists the vertices that may move; `None` means all. Vertices outside it, and components
-    /// without a handle, stay at rest. `method` is one of [`METHODS`].
+    /// without a handle, stay at rest.
     ///
     /// # Errors
     ///
     /// [`Error::InvalidConstraint`] for no or empty handles, a vertex in two handles, indices out of
-    /// range and an empty region; [`Error::InvalidValue`] for an unknown method;
-    /// [`Error::SolveFailed`] where the system cannot be factored.
-    pub fn new(mesh: Arc<Mesh>, handles: Vec<Vec<u32>>, roi: Option<&[u32]>, method: &str) -> Result<Self> {
-        let region = Region::of(&mesh, handles, roi)?;
-        let method: Option<Box<dyn Method>> = match method {
-            _ if region.is_rigid() => None,
-            "arap" => Some(Box::new(arap::Arap::new(&region)?)),
-            other => {
-                let problem = format!("no method named '{other}', there are {}", METHODS.join(", "));
-                return Err(Error::InvalidValue(Fault::new("method", problem)));
-            }
-        };
+    /// range, membership outside (0, 1] and an empty region; [`Error::InvalidValue`] for options out of
+    /// their range; [`Error::SolveFailed`] where the system cannot be factored.
+    pub fn new(
+        mesh: Arc<Mesh>,
+        handles: Vec<Handle>,
+        roi: Option<&[u32]>,
+        hold: Hold,
+        method: &MethodOptions,
+    ) -> Result<Self> {
+        let region = Region::of(&mesh, handles, roi, hold)?;
+        let method = if region.is_rigid() { None } else { Some(method.bind(&region)?) };
         Ok(Self { mesh, region, method })
     }
 
@@ -141,7 +207,7 @@ impl Pose {
 
     /// Number of handle vertices, all handles together.
     pub fn handle_vertex_count(&self) -> usize {
-        self.region.handles().iter().map(Vec::len).sum()
+        self.region.handles().iter().map(|h| h.vertices.len()).sum()
     }
 
     /// What is doubtful about the handles and the region.
@@ -151,11 +217,20 @@ impl Pose {
 
     /// Poses by one affine matrix per handle, rest to posed, in the mesh's own units.
     ///
+    /// `turns`, one rotation vector per handle, says by how many whole turns each matrix rotates: the
+    /// matrix's own rotation is lifted to the branch nearest to it.
+    ///
     /// # Errors
     ///
-    /// [`Error::InvalidConstraint`] for the wrong number of matrices and for values that are not
-    /// finite; [`Error::SolveFailed`] on overflow; [`Error::Cancelled`].
-    pub fn solve(&mut self, transforms: &[Mat4], options: &SolveOptions, job: &Job) -> Result<Posed> {
+    /// [`Error::InvalidConstraint`] for the wrong number of matrices or vectors and for values that are
+    /// not finite; [`Error::SolveFailed`] on overflow; [`Error::Cancelled`].
+    pub fn solve(
+        &mut self,
+        transforms: &[Mat4],
+        turns: Option<&[Vec3]>,
+        options: &SolveOptions,
+        job: &Job,
+    ) -> Result<Posed> {
         let handles = self.handle_count();
         expect_count("transforms", "matrices", transforms.len(), handles, "handles")?;
         let broken = transforms.iter().enumerate().filter(|(_, m)| !m.is_finite()).map(|(h, _)| h);
@@ -163,13 +238,27 @@ impl Pose {
         let projective = transforms.iter().enumerate();
         let projective = projective.filter(|(_, m)| m.row(3) != glam::DVec4::W).map(|(h, _)| h);
         refuse("transforms", "not affine: the last row must be 0 0 0 1", projective)?;
+        if let Some(turns) = turns {
+            expect_count("turns", "rotation vectors", turns.len(), handles, "handles")?;
+            let broken = turns.iter().enumerate().filter(|(_, r)| !r.is_finite()).map(|(h, _)| h);
+            refuse("turns", "not finite", broken)?;
+        }
         let rest = self.mesh.vertices();
         let targets: Vec<Vec3> = (self.region.handles().iter().zip(transforms))
-            .flat_map(|(handle, m)| handle.iter().map(|&v| m.transform_point3(rest[v as usize])))
+            .flat_map(|(handle, m)| handle.vertices.iter().map(|&v| m.transform_point3(rest[v as usize])))
             .collect();
-        let rotations: Vec<Vec3> =
-            transforms.iter().map(|m| log(nearest_rotation(Mat3::from_mat4(*m)))).collect();
-        self.pose(&targets, &rotations, options, job)
+        let frame = self.mesh.frame();
+        let motions = transforms.iter().enumerate().map(|(h, m)| {
+            let linear = Mat3::from_mat4(*m);
+            let own = log(nearest_rotation(linear));
+            Motion {
+                rotation: turns.map_or(own, |turns| nearest_branch(own, turns[h])),
+                linear,
+                offset: (m.transform_point3(frame.center) - frame.center) / frame.scale,
+            }
+        });
+        let goal = self.region.goal(&self.mesh, &targets, motions.collect(), true);
+        self.pose(&targets, &goal, options, job)
     }
 
     /// Poses by one target per handle vertex, handles in order, in the mesh's own units.
@@ -184,17 +273,12 @@ impl Pose {
         expect_count("targets", "points", targets.len(), self.handle_vertex_count(), "handle vertices")?;
         let broken = targets.iter().enumerate().filter(|(_, p)| !p.is_finite()).map(|(i, _)| i);
         refuse("targets", "not finite", broken)?;
-        let rotations = self.region.estimate_rotations(&self.mesh, targets);
-        self.pose(targets, &rotations, options, job)
+        let motions = self.region.estimate_motions(&self.mesh, targets);
+        let goal = self.region.goal(&self.mesh, targets, motions, false);
+        self.pose(targets, &goal, options, job)
     }
 
-    fn pose(
-        &mut self,
-        targets: &[Vec3],
-        rotations: &[Vec3],
-        options: &SolveOptions,
-        job: &Job,
-    ) -> Result<Posed> {
+    fn pose(&mut self, targets: &[Vec3], goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Posed> {
         if options.tolerance.is_nan() || options.tolerance < 0.0 {
             return Err(Error::InvalidValue(Fault::new("tolerance", "must be 0 or more")));
         }
@@ -202,8 +286,7 @@ impl Pose {
         let mut report = Report { converged: true, warnings: self.warnings().to_vec(), ..Report::default() };
         let mut vertices = self.mesh.vertices().to_vec();
         if let Some(method) = &mut self.method {
-            let goal = self.region.goal(&self.mesh, targets, rotations);
-            let solution = method.solve(&self.region, &goal, options, job)?;
+            let solution = method.solve(&self.region, goal, options, job)?;
             self.region.write_back(&self.mesh, &solution.displacements, &mut vertices);
             report.iterations = solution.iterations;
             report.energy = solution.energy;
@@ -215,7 +298,8 @@ impl Pose {
                 ));
             }
         }
-        for (&v, &target) in self.region.handles().iter().flatten().zip(targets) {
+        let handled = self.region.handles().iter().flat_map(|h| &h.vertices);
+        for (&v, &target) in handled.zip(targets).filter(|(v, _)| self.region.is_given(**v)) {
             vertices[v as usize] = target;
         }
         if let Some(v) = vertices.iter().position(|p| !p.is_finite()) {

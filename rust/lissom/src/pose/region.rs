@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::Goal;
+use super::{Goal, Handle, Hold, Motion};
 use crate::linear::Constraints;
 use crate::operators::gradient::outer;
 use crate::rotation::{log, nearest_rotation};
@@ -15,8 +15,10 @@ const SPREAD: f64 = 1e-6;
 /// Handles and region, checked, with the part of the mesh that takes part.
 #[derive(Debug)]
 pub struct Region {
-    handles: Vec<Vec<u32>>,
-    /// The triangles up to two rings from free vertices, as a mesh of their own in the whole mesh's
+    handles: Vec<Handle>,
+    /// For each vertex of the whole mesh, whether a handle holds it exactly.
+    given: Vec<bool>,
+    /// The triangles up to three rings from free vertices, as a mesh of their own in the whole mesh's
     /// unit coordinates.
     part: Option<Mesh>,
     /// For each vertex of the part, its index in the whole mesh.
@@ -28,10 +30,12 @@ pub struct Region {
 }
 
 impl Region {
-    pub(super) fn of(mesh: &Mesh, handles: Vec<Vec<u32>>, roi: Option<&[u32]>) -> Result<Self> {
+    pub(super) fn of(mesh: &Mesh, handles: Vec<Handle>, roi: Option<&[u32]>, hold: Hold) -> Result<Self> {
         let n = mesh.vertices().len();
         let mut warnings = mesh.warnings().to_vec();
         let handle_of = owners(n, &handles)?;
+        let pull = pulls(n, &handles, hold)?;
+        let given: Vec<bool> = (0..n).map(|v| handle_of[v].is_some() && pull[v].is_none()).collect();
         let in_roi = match roi {
             Some(roi) => membership(n, roi)?,
             None => vec![true; n],
@@ -51,7 +55,9 @@ impl Region {
             }
         }
         let free = |v: usize| {
-            in_roi[v] && handle_of[v].is_none() && components.of_vertex(v).is_some_and(|c| points[c] > 0)
+            let follows = in_roi[v] && handle_of[v].is_none();
+            let attached = components.of_vertex(v).is_some_and(|c| points[c] > 0);
+            (follows || pull[v].is_some()) && attached
         };
         let first: Vec<usize> = components.members().iter().map(|m| m[0] as usize).collect();
         let mut say = |problem: &str, which: &dyn Fn(usize) -> bool| {
@@ -64,16 +70,19 @@ impl Region {
             &|c| points[c] > 0 && held[c] <= 2,
         );
 
-        // Cells of given vertices beside free ones reach one ring further, and count in full.
+        // Cells of given vertices beside free ones reach one ring further and count in full, and so do
+        // their Laplacians' neighbours where curvature is continued across the border.
         let triangles = mesh.triangles();
-        let ring = |near: &dyn Fn(usize) -> bool| -> Vec<usize> {
-            (0..triangles.len()).filter(|&t| triangles[t].iter().any(|&v| near(v as usize))).collect()
+        let mut near: Vec<bool> = (0..n).map(free).collect();
+        let ring = |near: &[bool]| -> Vec<usize> {
+            (0..triangles.len()).filter(|&t| triangles[t].iter().any(|&v| near[v as usize])).collect()
         };
-        let mut beside = vec![false; n];
-        for &v in ring(&free).iter().flat_map(|&t| &triangles[t]) {
-            beside[v as usize] = true;
+        for _ in 0..2 {
+            for &v in ring(&near).iter().flat_map(|&t| &triangles[t]) {
+                near[v as usize] = true;
+            }
         }
-        let taking_part = ring(&|v| beside[v]);
+        let taking_part = if near.contains(&true) { ring(&near) } else { Vec::new() };
         let mut whole: Vec<u32> = taking_part.iter().flat_map(|&t| triangles[t]).collect();
         whole.sort_unstable();
         whole.dedup();
@@ -82,14 +91,31 @@ impl Region {
             let triangles = taking_part.iter().map(|&t| triangles[t].map(|v| local[&v])).collect();
             mesh.part(&whole, triangles)
         });
-        let constraints = Constraints::hard(whole.len(), |v| !free(whole[v] as usize));
+        let soft = (0u32..).zip(&whole).filter_map(|(v, &w)| Some((v, pull[w as usize]?)));
+        let constraints = Constraints::hard(whole.len(), |v| !free(whole[v] as usize)).with_soft(soft);
         let handle_of = whole.iter().map(|&v| handle_of[v as usize]).collect();
-        Ok(Self { handles, part, whole, handle_of, constraints, warnings })
+        Ok(Self { handles, given, part, whole, handle_of, constraints, warnings })
     }
 
     /// The handles, as given.
-    pub fn handles(&self) -> &[Vec<u32>] {
+    pub fn handles(&self) -> &[Handle] {
         &self.handles
+    }
+
+    /// Whether a handle holds a vertex of the whole mesh exactly.
+    pub fn is_given(&self, vertex: u32) -> bool {
+        self.given[vertex as usize]
+    }
+
+    /// The handle that a vertex of [`Region::mesh`] belongs to, wholly or in part.
+    pub fn handle_of(&self, vertex: usize) -> Option<usize> {
+        self.handle_of[vertex].map(|h| h as usize)
+    }
+
+    /// Something per handle as something per vertex of [`Region::mesh`]; zero where there is no handle.
+    pub fn at_handles(&self, of_handle: impl Fn(usize) -> Vec3) -> Vec<Vec3> {
+        let vertices = 0..self.whole.len();
+        vertices.map(|v| self.handle_of(v).map_or(Vec3::ZERO, &of_handle)).collect()
     }
 
     /// Whether nothing is free to follow.
@@ -97,7 +123,7 @@ impl Region {
         self.part.is_none()
     }
 
-    /// The mesh that methods work on: free vertices and the two rings of given ones around them.
+    /// The mesh that methods work on: free vertices and the three rings of given ones around them.
     ///
     /// # Panics
     ///
@@ -116,18 +142,14 @@ impl Region {
         &self.warnings
     }
 
-    pub(super) fn goal(&self, mesh: &Mesh, targets: &[Vec3], rotations: &[Vec3]) -> Goal {
+    pub(super) fn goal(&self, mesh: &Mesh, targets: &[Vec3], handles: Vec<Motion>, affine: bool) -> Goal {
         let rest = mesh.vertices();
         let scale = mesh.frame().scale;
-        let moved: HashMap<u32, Vec3> = (self.handles.iter().flatten().zip(targets))
-            .map(|(&v, &target)| (v, (target - rest[v as usize]) / scale))
-            .collect();
-        let of_handle = |v: usize, value: &dyn Fn(u32) -> Vec3| self.handle_of[v].map_or(Vec3::ZERO, value);
-        let vertices = 0..self.whole.len();
-        Goal {
-            displacements: vertices.clone().map(|v| of_handle(v, &|_| moved[&self.whole[v]])).collect(),
-            rotations: vertices.map(|v| of_handle(v, &|h| rotations[h as usize])).collect(),
-        }
+        let vertices = self.handles.iter().flat_map(|h| &h.vertices);
+        let moved: HashMap<u32, Vec3> =
+            vertices.zip(targets).map(|(&v, &target)| (v, (target - rest[v as usize]) / scale)).collect();
+        let displacement = |w: &u32| moved.get(w).copied().unwrap_or(Vec3::ZERO);
+        Goal { displacements: self.whole.iter().map(displacement).collect(), handles, affine }
     }
 
     pub(super) fn write_back(&self, mesh: &Mesh, displacements: &[Vec3], vertices: &mut [Vec3]) {
@@ -137,40 +159,42 @@ impl Region {
         }
     }
 
-    /// Rotation vector of each handle from where its vertices go (Kabsch 1976).
-    pub(super) fn estimate_rotations(&self, mesh: &Mesh, targets: &[Vec3]) -> Vec<Vec3> {
-        let rest = mesh.vertices();
-        let pairs: Vec<(Vec3, Vec3)> = (self.handles.iter().flatten().zip(targets))
-            .map(|(&v, &target)| (mesh.frame().to_unit(rest[v as usize]), mesh.frame().to_unit(target)))
-            .collect();
-        let stays = self.whole.iter().zip(&self.handle_of).enumerate();
-        let stays = stays.filter(|(v, (_, h))| h.is_none() && self.constraints.slot(*v as u32).is_none());
-        let fixed = stays.map(|(_, (&v, _))| mesh.frame().to_unit(rest[v as usize])).map(|p| (p, p));
-        let all: Vec<(Vec3, Vec3)> = pairs.iter().copied().chain(fixed).collect();
-        let together = rotation_between(&all).unwrap_or(Vec3::ZERO);
+    /// Motion of each handle from where its vertices go (Kabsch 1976).
+    pub(super) fn estimate_motions(&self, mesh: &Mesh, targets: &[Vec3]) -> Vec<Motion> {
+        let frame = mesh.frame();
+        let rest = |v: u32| frame.to_unit(mesh.vertices()[v as usize]);
+        let vertices = self.handles.iter().flat_map(|h| &h.vertices);
+        let pairs: Vec<(Vec3, Vec3)> =
+            vertices.zip(targets).map(|(&v, &target)| (rest(v), frame.to_unit(target))).collect();
+        let stays = |v: usize| self.handle_of[v].is_none() && self.constraints.slot(v as u32).is_none();
+        let fixed = (0..self.whole.len()).filter(|&v| stays(v)).map(|v| rest(self.whole[v]));
+        let all: Vec<(Vec3, Vec3)> = pairs.iter().copied().chain(fixed.map(|p| (p, p))).collect();
+        let together = rotation_between(&all).unwrap_or(Mat3::IDENTITY);
         let mut start = 0;
         self.handles
             .iter()
             .map(|handle| {
-                let own = &pairs[start..start + handle.len()];
-                start += handle.len();
-                rotation_between(own).unwrap_or(together)
+                let own = &pairs[start..start + handle.vertices.len()];
+                start += own.len();
+                let linear = rotation_between(own).unwrap_or(together);
+                let (from, to) = centroids(own);
+                Motion { rotation: log(linear), linear, offset: to - linear * from }
             })
             .collect()
     }
 }
 
 /// The handle that each vertex is in.
-fn owners(n: usize, handles: &[Vec<u32>]) -> Result<Vec<Option<u32>>> {
+fn owners(n: usize, handles: &[Handle]) -> Result<Vec<Option<u32>>> {
     let invalid = |fault: Fault| Err(Error::InvalidConstraint(fault));
     if handles.is_empty() {
         return invalid(Fault::new("handles", "there is no handle"));
     }
-    let empty = handles.iter().enumerate().filter(|(_, h)| h.is_empty()).map(|(h, _)| h);
+    let empty = handles.iter().enumerate().filter(|(_, h)| h.vertices.is_empty()).map(|(h, _)| h);
     if let Some(fault) = Fault::at("handles", "empty handle", empty) {
         return invalid(fault);
     }
-    let outside = handles.iter().flatten().filter(|&&v| v as usize >= n).map(|&v| v as usize);
+    let outside = handles.iter().flat_map(|h| &h.vertices).filter(|&&v| v as usize >= n).map(|&v| v as usize);
     let problem = format!("vertex index out of range, the mesh has {n} vertices");
     if let Some(fault) = Fault::at("handles", problem, outside) {
         return invalid(fault);
@@ -179,7 +203,7 @@ fn owners(n: usize, handles: &[Vec<u32>]) -> Result<Vec<Option<u32>>> {
     let mut twice = Vec::new();
     let mut rivals = None;
     for (h, handle) in (0u32..).zip(handles) {
-        for &v in handle {
+        for &v in &handle.vertices {
             if let Some(other) = owner[v as usize].replace(h) {
                 twice.push(v as usize);
                 rivals.get_or_insert((other, h));
@@ -216,12 +240,51 @@ fn membership(n: usize, roi: &[u32]) -> Result<Vec<bool>> {
     Ok(inside)
 }
 
+/// The weight that pulls each handle vertex; `None` where it is held exactly or in no handle.
+fn pulls(n: usize, handles: &[Handle], hold: Hold) -> Result<Vec<Option<f64>>> {
+    if let Hold::Soft(weight) = hold
+        && !(weight > 0.0 && weight.is_finite())
+    {
+        return Err(Error::InvalidValue(Fault::new("weight", "must be a positive number")));
+    }
+    let mut pull = vec![None; n];
+    for (h, handle) in handles.iter().enumerate() {
+        let ones = vec![1.0; handle.vertices.len()];
+        let membership = handle.membership.as_ref().unwrap_or(&ones);
+        if membership.len() != handle.vertices.len() {
+            let (given, wanted) = (membership.len(), handle.vertices.len());
+            let problem = format!("{given} weights for {wanted} vertices of handle {h}");
+            return Err(Error::InvalidConstraint(Fault::new("handle_weights", problem)));
+        }
+        let bad = membership.iter().enumerate().filter(|(_, m)| !(**m > 0.0 && **m <= 1.0));
+        let problem = format!("weights of handle {h} must be above 0 and at most 1");
+        if let Some(fault) = Fault::at("handle_weights", problem, bad.map(|(i, _)| i)) {
+            return Err(Error::InvalidConstraint(fault));
+        }
+        for (&v, &m) in handle.vertices.iter().zip(membership) {
+            let full = match hold {
+                Hold::Hard => 1.0,
+                Hold::Soft(weight) => weight * weight,
+            };
+            pull[v as usize] = match hold {
+                _ if m < 1.0 => Some(full * m / (1.0 - m)),
+                Hold::Soft(_) => Some(full),
+                Hold::Hard => None,
+            };
+        }
+    }
+    Ok(pull)
+}
+
+fn centroids(pairs: &[(Vec3, Vec3)]) -> (Vec3, Vec3) {
+    let count = pairs.len() as f64;
+    (pairs.iter().map(|p| p.0).sum::<Vec3>() / count, pairs.iter().map(|p| p.1).sum::<Vec3>() / count)
+}
+
 /// The rotation that takes the first points to the second best; `None` where they are too few, or
 /// all on a line, to tell.
-fn rotation_between(pairs: &[(Vec3, Vec3)]) -> Option<Vec3> {
-    let count = pairs.len() as f64;
-    let from = pairs.iter().map(|p| p.0).sum::<Vec3>() / count;
-    let to = pairs.iter().map(|p| p.1).sum::<Vec3>() / count;
+fn rotation_between(pairs: &[(Vec3, Vec3)]) -> Option<Mat3> {
+    let (from, to) = centroids(pairs);
     let mut cross = Mat3::ZERO;
     let mut spread = Mat3::ZERO;
     for &(a, b) in pairs {
@@ -233,5 +296,5 @@ fn rotation_between(pairs: &[(Vec3, Vec3)]) -> Option<Vec3> {
     let squares =
         spread.x_axis.length_squared() + spread.y_axis.length_squared() + spread.z_axis.length_squared();
     let second = 0.5 * (trace * trace - squares);
-    (second > SPREAD * SPREAD * trace * trace).then(|| log(nearest_rotation(cross)))
+    (second > SPREAD * SPREAD * trace * trace).then(|| nearest_rotation(cross))
 }

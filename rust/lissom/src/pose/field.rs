@@ -1,0 +1,80 @@
+//! Smooth fields: values given at handles, spread over the free vertices.
+//!
+//! Order 0 is a membrane, `L f = 0` (Zayer, Rössl, Karni & Seidel 2005, Harmonic Guidance for Surface
+//! Deformation); it has a crease where free and given vertices meet. Order 1, `L M^-1 L f = 0`, is a thin
+//! plate and joins with continuous slope, order 2, `L M^-1 L M^-1 L f = 0`, with continuous curvature
+//! (Botsch & Kobbelt 2004, An Intuitive Framework for Real-Time Freeform Modeling).
+
+use std::collections::BTreeMap;
+
+use super::Region;
+use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
+use crate::operators::cotangent::cotangent_laplacian;
+use crate::operators::mass::lumped_mass;
+use crate::{Error, Fault, Mesh, Result, Vec3};
+
+/// The factored system of a field.
+#[derive(Debug)]
+pub(super) struct Field(ConstrainedSystem);
+
+impl Field {
+    /// Prepares a field of `order` 0, 1 or 2 on a region.
+    pub fn new(region: &Region, order: usize) -> Result<Self> {
+        let matrix = polyharmonic(region.mesh(), order)?;
+        Ok(Self(ConstrainedSystem::new(&matrix, region.constraints().clone())?))
+    }
+
+    /// The field that takes the values `given` at given vertices.
+    pub fn vectors(&self, given: &[Vec3]) -> Vec<Vec3> {
+        Self::spread(&self.0, given)
+    }
+
+    /// The same for any number of columns, in place.
+    pub fn columns(&self, field: &mut Columns) {
+        self.0.solve(&Columns::zeros(field.rows(), field.count()), field);
+    }
+
+    /// The field of a system that is at hand already.
+    pub fn spread(system: &ConstrainedSystem, given: &[Vec3]) -> Vec<Vec3> {
+        let mut field = Columns::from_vectors(given);
+        system.solve(&Columns::zeros(given.len(), 3), &mut field);
+        field.vectors(0)
+    }
+}
+
+/// `L`, `L M^-1 L` or `L M^-1 L M^-1 L`, the Hessians of `sum w (f_j - f_i)^2`, `sum m h^2` and
+/// `sum w (h_j - h_i)^2` with `h = M^-1 L f`.
+pub(super) fn polyharmonic(mesh: &Mesh, order: usize) -> Result<SymmetricMatrix> {
+    let laplacian = cotangent_laplacian(mesh);
+    let inverse = inverse_mass(mesh);
+    match order {
+        0 => Ok(laplacian),
+        1 => Ok(laplacian.sandwich(&inverse)),
+        2 => {
+            let rows = laplacian.rows();
+            let differences: Vec<(f64, Vec<(u32, f64)>)> = laplacian
+                .entries()
+                .filter(|(i, j, _)| i != j)
+                .map(|(i, j, value)| {
+                    let mut difference: BTreeMap<u32, f64> = BTreeMap::new();
+                    for (row, sign) in [(i as usize, 1.0), (j as usize, -1.0)] {
+                        for &(column, entry) in &rows[row] {
+                            *difference.entry(column).or_default() += sign * inverse[row] * entry;
+                        }
+                    }
+                    (-value, difference.into_iter().collect())
+                })
+                .collect();
+            let rows = differences.iter().map(|(w, row)| (*w, row.as_slice()));
+            Ok(SymmetricMatrix::normal(laplacian.size(), rows))
+        }
+        _ => Err(Error::InvalidValue(Fault::new("border", format!("must be 0, 1 or 2, got {order}")))),
+    }
+}
+
+/// One over the lumped areas. Cells without area get a millionth of the mean.
+pub(super) fn inverse_mass(mesh: &Mesh) -> Vec<f64> {
+    let mass = lumped_mass(mesh);
+    let least = 1e-6 * mass.iter().sum::<f64>() / mass.len() as f64;
+    mass.iter().map(|m| 1.0 / m.max(least)).collect()
+}
