@@ -43,3 +43,10 @@ def moved(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 def diagonal(points: np.ndarray) -> float:
     return float(np.linalg.norm(np.ptp(points, axis=0)))
+
+
+def ends(vertices: np.ndarray, share: float = 0.1) -> tuple[np.ndarray, np.ndarray]:
+    """The vertices in the first and in the last `share` of the extent along x."""
+    x = vertices[:, 0]
+    span = np.ptp(x)
+    return np.flatnonzero(x < x.min() + share * span), np.flatnonzero(x > x.max() - share * span)

@@ -5,7 +5,7 @@ from itertools import pairwise
 import lissom
 import numpy as np
 import pytest
-from shapes import diagonal, moved, rigid, tube
+from shapes import diagonal, ends, moved, rigid, tube
 
 # Energies that libigl 2.6.3 (spokes and rims) has after 1000 iterations from the rest pose,
 # in the units of the data: what a converged solve must not exceed.
@@ -73,12 +73,6 @@ def dense_arap(v, f, given, x, iterations):
         x = x.copy()
         x[free] = inverse @ (rhs[free] - laplacian[np.ix_(free, given)] @ x[given])
     return x
-
-
-def ends(vertices, share=0.1):
-    x = vertices[:, 0]
-    span = np.ptp(x)
-    return np.flatnonzero(x < x.min() + share * span), np.flatnonzero(x > x.max() - share * span)
 
 
 @pytest.mark.parametrize("by_points", [False, True])
