@@ -85,7 +85,14 @@ impl<'py> Options<'py> {
                     [("cotangent", laplacian::Weights::Cotangent), ("uniform", laplacian::Weights::Uniform)];
                 MethodOptions::Laplacian(laplacian::Options { weights: self.choice("weights", &kinds)? })
             }
-            "arap" => MethodOptions::Arap(arap::Options::default()),
+            "arap" => {
+                let kinds = [("spokes_and_rims", arap::Cells::SpokesAndRims), ("spokes", arap::Cells::Spokes)];
+                MethodOptions::Arap(arap::Options {
+                    cells: self.choice("cells", &kinds)?,
+                    rotation_smoothing: self.value("rotation_smoothing", 0.0)?,
+                    smoothness: self.value("smoothness", 0.0)?,
+                })
+            }
             other => {
                 let problem = format!("no method named '{other}', there are {}", METHODS.join(", "));
                 let error = Error::InvalidValue(Fault::new("method", problem));
@@ -111,6 +118,9 @@ impl<'py> Options<'py> {
 ///
 /// Every method has constraints="hard" | "soft" and weight=1.0 (of soft constraints). Further options:
 /// laplacian: weights="cotangent" | "uniform".
+/// arap: cells="spokes_and_rims" | "spokes"; rotation_smoothing=0.0, how much neighbours' rotations must
+/// agree; smoothness=0.0, up to below 1, how much curvature counts against lengths (0.1 takes the spike off
+/// a single moved vertex).
 ///
 /// Raises InvalidConstraint for no or empty handles, a vertex in two handles, indices out of range and
 /// an empty region, InvalidValue for an unknown method or option value, SolveFailed where the system
