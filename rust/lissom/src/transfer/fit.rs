@@ -62,7 +62,7 @@ pub struct FitOptions {
 
 impl Default for FitOptions {
     fn default() -> Self {
-        Self { smoothness: 1.0, identity: 0.001, closest: 5000.0, steps: 5, rounds: 5, match_distance: 0.02 }
+        Self { smoothness: 1.0, identity: 0.001, closest: 5000.0, steps: 6, rounds: 4, match_distance: 0.02 }
     }
 }
 
