@@ -372,10 +372,9 @@ mod tests {
             let transfer = prepare(copy(&source), copy(&target), &pairs, options);
             assert!(transfer.warnings()[0].contains(text) && transfer.warnings()[0].contains("1 in all"));
             let result = transfer.apply(std::slice::from_ref(&pose), &Job::default()).unwrap().remove(0);
-            for v in 36..result.len() {
-                let rest = target.vertices()[v];
+            for (&moved, &rest) in result.iter().zip(target.vertices()).skip(36) {
                 let expected = if unmatched == Unmatched::Rest { rest } else { turn * rest + Vec3::X };
-                assert!((result[v] - expected).length() < 1e-8);
+                assert!((moved - expected).length() < 1e-8);
             }
         }
     }

@@ -204,10 +204,9 @@ mod tests {
         let rows: Vec<[Vec<f64>; 3]> = (0..m).map(|t| gradient_rows(&mesh, size, t)).collect();
         let mut equations: Vec<(Vec<f64>, Vec3)> = Vec::new();
         for t in 0..m {
-            for axis in 0..3 {
+            for (axis, row) in rows[t].iter().enumerate() {
                 let root = weights.identity.sqrt();
-                let row = rows[t][axis].iter().map(|r| r * root).collect();
-                equations.push((row, Vec3::AXES[axis] * root));
+                equations.push((row.iter().map(|r| r * root).collect(), Vec3::AXES[axis] * root));
                 for [i, j] in mesh.adjacency().triangle_pairs() {
                     if i as usize == t || j as usize == t {
                         // Once from either side, as the double sum of the note has it.

@@ -363,7 +363,7 @@ fn conclude(
         }
         let count = matched.iter().filter(|m| !**m).count();
         let unmatched = mesh.areas().iter().zip(&matched).filter(|(_, m)| !**m);
-        let percent = 100.0 * unmatched.map(|(a, _)| a).sum::<f64>() / mesh.areas().iter().sum::<f64>();
+        let percent = 100.0 * unmatched.fold(0.0, |sum, (a, _)| sum + a) / mesh.areas().iter().sum::<f64>();
         if side == 0 {
             (report.unmatched_source_triangles, report.unmatched_source_percent) = (count, percent);
         } else {
