@@ -21,8 +21,8 @@ def edge_error(faces, start, end, x):
 
 
 def twisted_tube():
-    """A tube twisted by a turn and a half; its first ring stays."""
-    vertices, faces = tube(rows=60, columns=24)
+    """A slender tube twisted by a turn and a half; its first ring stays."""
+    vertices, faces = tube(rows=60, columns=24, length=40, bumps=0)
     end = vertices.copy()
     for k, x in enumerate(np.unique(vertices[:, 0])):
         ring = vertices[:, 0] == x
@@ -122,7 +122,8 @@ def test_keyframes_keep_within_tolerance_and_none_can_be_spared():
     assert playback_error(path, times) <= tolerance
     for spared in range(1, len(times) - 1):
         assert playback_error(path, times[:spared] + times[spared + 1 :]) > tolerance
-    assert len(path.keyframes(tolerance, max_keys=len(times) - 1)) == len(times) - 1
+    with pytest.warns(RuntimeWarning, match="max_keys"):
+        assert len(path.keyframes(tolerance, max_keys=len(times) - 1)) == len(times) - 1
 
 
 def test_row_03_shapes_times_and_tolerances_that_are_not_finite():
