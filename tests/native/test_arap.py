@@ -5,7 +5,7 @@ from itertools import pairwise
 import lissom
 import numpy as np
 import pytest
-from shapes import diagonal, ends, moved, rigid, tube
+from shapes import diagonal, ends, grid_faces, moved, rigid, tube
 
 # Energies that libigl 2.6.3 (spokes and rims) has after 1000 iterations from the rest pose,
 # in the units of the data: what a converged solve must not exceed.
@@ -177,3 +177,89 @@ def test_survey(data, name):
     pose = lissom.Pose(lissom.Mesh(v, f), handles)
     result = pose.solve([np.eye(4), archive[f"{name}_transform"]], max_iterations=400)
     assert energy(v, f, result.vertices) <= SURVEY[name]
+
+
+VARIANTS = [{"cells": "spokes"}, {"rotation_smoothing": 0.002}, {"smoothness": 0.1}]
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_every_variant_reproduces_a_rigid_motion(variant):
+    vertices, faces = tube()
+    motion = rigid((1, 2, -1), 2.5, (3, -2, 0.5))
+    result = lissom.Pose(lissom.Mesh(vertices, faces), ends(vertices), **variant).solve([motion] * 2)
+    assert np.abs(result.vertices - moved(motion, vertices)).max() < 1e-8 * diagonal(vertices)
+
+
+def test_spokes_are_stationary_for_their_own_energy():
+    """The gradient of the spokes energy, written edge by edge, vanishes at the free vertices."""
+    vertices, faces = tube(rows=20, columns=14)
+    low, high = ends(vertices)
+    pose = lissom.Pose(lissom.Mesh(vertices, faces), [low, high], cells="spokes")
+    goal = [np.eye(4), rigid((0, 0, 1), 1.0, (0, 0.5, 0))]
+    x = pose.solve(goal, tolerance=1e-15, max_iterations=3000).vertices
+    n, weights = len(vertices), half_cotangents(vertices, faces)
+    w = np.zeros((n, n))
+    for c in range(3):
+        j, k = faces[:, (c + 1) % 3], faces[:, (c + 2) % 3]
+        np.add.at(w, (j, k), weights[:, c])
+        np.add.at(w, (k, j), weights[:, c])
+    w = np.maximum(w, 0)
+    i, j = np.nonzero(w)
+    cells = np.zeros((n, 3, 3))
+    old, new = vertices[j] - vertices[i], x[j] - x[i]
+    np.add.at(cells, i, w[i, j][:, None, None] * new[:, :, None] * old[:, None, :])
+    rotations = best_rotations(cells)[0]
+    force = np.zeros((n, 3))
+    turned = np.einsum("eij,ej->ei", rotations[i] + rotations[j], old) / 2
+    np.add.at(force, i, w[i, j][:, None] * (new - turned))
+    free = np.setdiff1d(np.arange(n), np.concatenate([low, high]))
+    size = np.abs(w[i, j][:, None] * new).max()
+    assert np.abs(force[free]).max() < 1e-5 * size
+
+
+def test_rotation_smoothing_brings_neighbours_rotations_together():
+    vertices, faces = tube()
+    goal = [np.eye(4), rigid((0, 0, 1), 2.0, (-1, 3, 0))]
+    spreads = []
+    for amount in (0.0, 0.0005, 0.005):
+        pose = lissom.Pose(lissom.Mesh(vertices, faces), ends(vertices), rotation_smoothing=amount)
+        x = pose.solve(goal, max_iterations=500).vertices
+        rotations = best_rotations(cell_covariances(vertices, faces, x)[0])[0]
+        spreads.append(
+            sum(((rotations[faces[:, c]] - rotations[faces[:, c - 1]]) ** 2).sum() for c in range(3))
+        )
+    assert spreads[1] < 0.8 * spreads[0]
+    assert spreads[2] < 0.6 * spreads[0]
+
+
+@pytest.mark.parametrize("side", [31, 61])
+def test_smoothness_takes_the_spike_off_a_single_moved_vertex(side):
+    grid = np.stack(np.meshgrid(*2 * [np.linspace(0, 1, side)], indexing="ij"), -1).reshape(-1, 2)
+    vertices = np.column_stack([grid, np.zeros(len(grid))])
+    border = np.flatnonzero((grid.min(1) < 0.07) | (grid.max(1) > 0.93))
+    middle = [len(grid) // 2]
+    targets = np.concatenate([vertices[border], vertices[middle] + (0, 0, 0.25)])
+
+    def slope_at_peak(smoothness):
+        mesh = lissom.Mesh(vertices, grid_faces(side, side))
+        pose = lissom.Pose(mesh, [border, middle], smoothness=smoothness)
+        height = pose.solve_points(targets, max_iterations=500).vertices[:, 2]
+        return (height[middle[0]] - height[middle[0] + 1]) * (side - 1)
+
+    assert slope_at_peak(0.0) > 0.8
+    assert slope_at_peak(0.1) < 0.4 * slope_at_peak(0.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"rotation_smoothing": -1.0}, "rotation_smoothing: must be 0 or more"),
+        ({"rotation_smoothing": np.nan}, "rotation_smoothing: must be 0 or more"),
+        ({"smoothness": 1.0}, "smoothness: must be from 0 to below 1"),
+        ({"cells": "rims"}, "cells: 'rims' is none of spokes_and_rims, spokes"),
+    ],
+)
+def test_options_out_of_range(options, text):
+    vertices, faces = tube(rows=10, columns=8)
+    with pytest.raises(lissom.InvalidValue, match=text):
+        lissom.Pose(lissom.Mesh(vertices, faces), ends(vertices, 0.2), **options)

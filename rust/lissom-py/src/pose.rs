@@ -86,7 +86,8 @@ impl<'py> Options<'py> {
                 MethodOptions::Laplacian(laplacian::Options { weights: self.choice("weights", &kinds)? })
             }
             "arap" => {
-                let kinds = [("spokes_and_rims", arap::Cells::SpokesAndRims), ("spokes", arap::Cells::Spokes)];
+                let kinds =
+                    [("spokes_and_rims", arap::Cells::SpokesAndRims), ("spokes", arap::Cells::Spokes)];
                 MethodOptions::Arap(arap::Options {
                     cells: self.choice("cells", &kinds)?,
                     rotation_smoothing: self.value("rotation_smoothing", 0.0)?,

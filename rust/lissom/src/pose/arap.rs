@@ -20,8 +20,8 @@
 //! Smooth Rotation Enhanced As-Rigid-As-Possible Mesh Animation), which makes a surface bend like a solid.
 //! `smoothness` blends to `(1 - l) E + l h^2 sum_i |(L x)_i - R_i (L v)_i|^2 / m_i` (Oehri, Herholz &
 //! Sorkine-Hornung 2025, Higher Order Continuity for Smooth As-Rigid-As-Possible Shape Modeling), with
-//! the rotations still fitted to edges and `h^2` the mean area of a cell, so that a single moved vertex
-//! pulls without a spike.
+//! the rotations still fitted to edges, so that a single moved vertex pulls without a spike. They leave the
+//! unit of length open; the factor [`BENDING`] times the region's area makes `l` mean the same for every mesh.
 //!
 //! Local and global steps alone converge slowly; Anderson acceleration with the energy as safeguard
 //! (Peng, Deng, Zhang, Geng, Qin & Liu 2018, Anderson Acceleration for Geometry Optimization and
@@ -41,6 +41,10 @@ use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
 
 /// An energy below this fraction of that of the edges themselves is zero but for rounding.
 const NOTHING: f64 = 1e-14;
+
+/// What the bending term of `smoothness` is worth, relative to the area of the region: at `l = 1/2` it
+/// rules over distances below a tenth of the region's size.
+const BENDING: f64 = 0.01;
 
 /// Which edges a vertex's rotation is fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -194,18 +198,16 @@ impl Arap {
             .with_min_len(512)
             .map(|i| {
                 let corners = mesh.adjacency().corners_of(i).iter();
-                let mut cell = corners.fold(Mat3::ZERO, |sum, c| {
-                    sum + covariances[c.triangle as usize][usize::from(c.corner)]
-                });
-                let mut apart = 0.0;
+                let mut cell = corners
+                    .fold(Mat3::ZERO, |sum, c| sum + covariances[c.triangle as usize][usize::from(c.corner)]);
+                let fitted = cell;
                 if let Some(RotationSmoothing(neighbours)) = &self.rotation_smoothing {
                     for &(j, w) in &neighbours[i] {
                         cell += last[j as usize] * (2.0 * w);
-                        apart += 6.0 * w;
                     }
                 }
                 let rotation = nearest_rotation(cell);
-                (rotation, 2.0 * dot(rotation, cell) - apart)
+                (rotation, 2.0 * dot(rotation, fitted))
             })
             .unzip();
         // Summed in order, not by the threads, so that results repeat to the last bit.
@@ -215,7 +217,8 @@ impl Arap {
         let share = self.options.smoothness;
         // The global step weighs an edge once, the energy once for every cell that it is in.
         let cells = if spokes { 2.0 } else { 3.0 };
-        Fit { rotations, energy: (1.0 - share) * rigidity + share * cells * bending, scale }
+        let apart = self.rotation_smoothing.as_ref().map_or(0.0, |s| s.energy(&rotations));
+        Fit { energy: (1.0 - share) * rigidity + share * cells * bending + apart, rotations, scale }
     }
 }
 
@@ -271,15 +274,22 @@ impl RotationSmoothing {
         };
         Self(rows.map(others).collect())
     }
+
+    fn energy(&self, rotations: &[Mat3]) -> f64 {
+        let apart = |(i, row): (usize, &Vec<(u32, f64)>)| {
+            row.iter().map(|&(j, w)| w * (6.0 - 2.0 * dot(rotations[i], rotations[j as usize]))).sum::<f64>()
+        };
+        self.0.iter().enumerate().map(apart).sum()
+    }
 }
 
 impl Smoothness {
     fn of(mesh: &Mesh) -> Self {
         let inverse = inverse_mass(mesh);
-        let mean = mesh.areas().iter().sum::<f64>() / inverse.len() as f64;
+        let unit = BENDING * mesh.areas().iter().sum::<f64>();
         let rows = cotangent_laplacian(mesh).rows();
         let rest = rows.iter().map(|row| combination(row, mesh.rest())).collect();
-        Self { rows, factor: inverse.into_iter().map(|m| m * mean).collect(), rest }
+        Self { rows, factor: inverse.into_iter().map(|m| m * unit).collect(), rest }
     }
 
     /// Adds what `l sum_i f_i |(L d)_i - (R_i - I) (L v)_i|^2` asks for.
