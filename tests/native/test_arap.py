@@ -247,7 +247,7 @@ def test_smoothness_takes_the_spike_off_a_single_moved_vertex(side):
         return (height[middle[0]] - height[middle[0] + 1]) * (side - 1)
 
     assert slope_at_peak(0.0) > 0.8
-    assert slope_at_peak(0.1) < 0.4 * slope_at_peak(0.0)
+    assert slope_at_peak(0.1) < 0.6 * slope_at_peak(0.0)
 
 
 @pytest.mark.parametrize(
