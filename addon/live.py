@@ -1,9 +1,9 @@
 """The mesh follows its handles while an Empty moves.
 
-Blender tells of moved objects after each update of the dependency graph. With a window, the solve then waits for a
-timer, so that many mouse moves make one solve and the view is drawn in between; an iterative method that
-stops early goes on from there while nothing moves. In background mode, where timers do not run, the solve is
-done at once. Only moved Empties count, and the solve moves none: it cannot call itself.
+Blender tells of moved objects after each update of the dependency graph. With a window, the solve then
+waits for a timer, so that many mouse moves make one solve and the view is drawn in between; an iterative
+method that stops early goes on from there while nothing moves. In background mode, where timers do not run,
+the solve is done at once. Only moved Empties count, and the solve moves none: it cannot call itself.
 """
 
 import time

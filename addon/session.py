@@ -1,7 +1,7 @@
 """What lives only in memory: native objects, the running job, and lines of text for the panels.
 
-Nothing here refers to Blender's data: objects are known by name or session_uid, so undo, deletion and loading a
-file cannot leave a dangling reference. All of it can be lost and made again.
+Nothing here refers to Blender's data: objects are known by name or session_uid, so that undo, deletion and
+loading a file leave no dangling reference. All of it can be lost and made again.
 """
 
 poses = {}  # session_uid of a mesh object -> core.pose.BoundPose

@@ -3,8 +3,8 @@
     python tools/build_extension.py dist/lissom-0.1.0-cp311-abi3-manylinux_2_28_x86_64.whl ...
     python tools/build_extension.py --blender blender dist/*.whl      also lets Blender validate each zip
 
-The result is dist/lissom-<version>-<platform>.zip. The manifest's lists of platforms and wheels are written here,
-from the names of the wheels; the same input gives the same bytes.
+The result is dist/lissom-<version>-<platform>.zip. The manifest's lists of platforms and wheels are written
+here, from the names of the wheels; the same input gives the same bytes.
 """
 
 import argparse
@@ -49,7 +49,9 @@ def manifest(wheels, names):
             sys.exit(f"{wheel.name}: the manifest says version {version}")
     if MARK not in text:
         sys.exit("blender_manifest.toml has lost the two lines that stand for platforms and wheels")
-    quoted = [", ".join(f'"{item}"' for item in items) for items in (names, [f"./wheels/{w.name}" for w in wheels])]
+    quoted = [
+        ", ".join(f'"{item}"' for item in items) for items in (names, [f"./wheels/{w.name}" for w in wheels])
+    ]
     return text.replace(MARK, f"platforms = [{quoted[0]}]\nwheels = [{quoted[1]}]\n"), version
 
 

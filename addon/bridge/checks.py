@@ -6,7 +6,7 @@ from ..core.refused import Refused, first
 
 
 def mesh_object(name, context):
-    """The mesh object of that name; for "" the active one, or the mesh that the active Empty is a handle of."""
+    """The mesh object of that name; for "" the one that ``active_mesh`` finds."""
     if name:
         obj = bpy.data.objects.get(name)
         if obj is None:
@@ -37,7 +37,9 @@ def refusal(obj, keys=True):
         if block.override_library is not None:
             return f"{kind} '{obj.name}' is a library override: make it local first (Object > Relations)"
         if block.library is not None or not block.is_editable:
-            return f"{kind} '{obj.name}' is linked from another file: make it local first (Object > Relations)"
+            return (
+                f"{kind} '{obj.name}' is linked from another file: make it local first (Object > Relations)"
+            )
     if obj.mode != "OBJECT":
         return f"'{obj.name}' is in {obj.mode.replace('_', ' ').lower()} mode: go to Object Mode first"
     if keys and mesh.shape_keys and not mesh.shape_keys.use_relative:

@@ -38,5 +38,5 @@ def place(obj, empty, matrix):
 
 
 def is_alive(empty):
-    """True where the Empty is there and in some scene; Blender keeps deleted objects that are still referred to."""
+    """True where the Empty is in some scene: Blender keeps deleted objects that are still referred to."""
     return empty is not None and len(empty.users_scene) > 0

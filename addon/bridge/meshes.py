@@ -78,6 +78,7 @@ class Snapshot:
     name: str
     uid: int
     topology: str
+    in_scene: bool
     linear: np.ndarray
     vertices: np.ndarray = field(repr=False)
     triangles: np.ndarray = field(repr=False)
@@ -87,12 +88,20 @@ class Snapshot:
         """``linear`` (3, 3) is kept for the way back from solve space."""
         obj.update_from_editmode()
         mesh = obj.data
-        return cls(obj.name, obj.session_uid, signature(mesh), linear, rest_positions(mesh), triangles(mesh))
+        return cls(
+            name=obj.name,
+            uid=obj.session_uid,
+            topology=signature(mesh),
+            in_scene=bool(obj.users_scene),
+            linear=linear,
+            vertices=rest_positions(mesh),
+            triangles=triangles(mesh),
+        )
 
     def find(self):
         """The object again, or Refused where it was deleted, replaced or remodelled meanwhile (row 42)."""
         obj = bpy.data.objects.get(self.name)
-        if obj is None or obj.session_uid != self.uid:
+        if obj is None or obj.session_uid != self.uid or (self.in_scene and not obj.users_scene):
             raise Refused(f"Object '{self.name}' is gone: nothing was changed")
         if signature(obj.data) != self.topology:
             raise Refused(f"The mesh of '{self.name}' was changed meanwhile: nothing was written, run again")

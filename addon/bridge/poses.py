@@ -28,7 +28,8 @@ def build(obj, linear, method):
 def current(obj):
     """The bound pose of the object: the one in memory while it holds, else made anew.
 
-    That happens after loading a file, or where rest shape or method were changed. New faces need a new Bind (row 26).
+    That happens after loading a file, or where rest shape or method were changed. New faces need a new
+    Bind (row 26).
     """
     settings = obj.lissom_pose
     if not settings.bound:

@@ -1,4 +1,4 @@
-"""Shape keys: absolute positions, of which Blender adds the difference to the relative key, times the value."""
+"""Shape keys: absolute positions; Blender adds their difference to the relative key, times the value."""
 
 from dataclasses import dataclass
 
@@ -54,7 +54,8 @@ def ensure_basis(obj):
 def write(obj, name, vertices, settings=None, relative=None):
     """Writes absolute positions (n, 3) as the shape key ``name``, which is made where it is missing.
 
-    ``settings`` None keeps those of a key that exists. ``relative`` is the relative key, by default the reference.
+    ``settings`` None keeps those of a key that exists. ``relative`` is the relative key, by default the
+    reference key.
     """
     basis = ensure_basis(obj)
     key = obj.data.shape_keys.key_blocks.get(name)

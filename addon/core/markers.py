@@ -1,7 +1,7 @@
 """Marker pairs and their file.
 
-A marker says that vertex ``source`` of one mesh and vertex ``target`` of another are the same place. The file is
-JSON::
+A marker says that vertex ``source`` of one mesh and vertex ``target`` of another are the same place. The
+file is JSON::
 
     {"format": "lissom-markers", "version": 1,
      "source": {"name": "Face", "vertices": 26719}, "target": {"name": "Suzanne", "vertices": 507},
@@ -21,7 +21,7 @@ from .refused import Refused, first
 FORMAT = "lissom-markers"
 VERSION = 1
 
-# Far above any real file (a thousand pairs take 80 kB), far below what could stall or exhaust Blender (row 41).
+# Far above any real file (a thousand pairs take 80 kB), far below what could stall Blender (row 41).
 MAX_FILE_BYTES = 4 * 1024 * 1024
 MAX_DEPTH = 16
 MAX_PAIRS = 20_000
@@ -61,7 +61,9 @@ def load(path):
     except OSError as error:
         raise Refused(f"Marker file '{path}' cannot be read: {error.strerror}") from error
     if len(data) > MAX_FILE_BYTES:
-        raise Refused(f"Marker file '{path}' is larger than {MAX_FILE_BYTES // 2**20} MiB: this is no marker file")
+        raise Refused(
+            f"Marker file '{path}' is larger than {MAX_FILE_BYTES // 2**20} MiB: this is no marker file"
+        )
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -149,11 +151,15 @@ def _pair(number, row):
         raise Refused(f'"pairs" entry {number} must be an object with "source" and "target"')
     for side in ("source", "target"):
         if not _is_index(row.get(side)):
-            raise Refused(f'"pairs" entry {number}: "{side}" must be a vertex index, not {row.get(side)!r:.40}')
+            raise Refused(
+                f'"pairs" entry {number}: "{side}" must be a vertex index, not {row.get(side)!r:.40}'
+            )
     name = row.get("name", f"Marker {number + 1}")
     if not isinstance(name, str):
         raise Refused(f'"pairs" entry {number}: "name" must be text, not {name!r:.40}')
-    return Marker(name.encode(errors="ignore")[:MAX_BYTES].decode(errors="ignore"), row["source"], row["target"])
+    return Marker(
+        name.encode(errors="ignore")[:MAX_BYTES].decode(errors="ignore"), row["source"], row["target"]
+    )
 
 
 def _vertices(document, side):

@@ -24,7 +24,9 @@ def check_groups(groups, handles, roi):
         if not len(groups[name]):
             raise Refused(f"Vertex group '{name}' holds no vertices: assign some, then bind")
     if roi and not len(groups[roi]):
-        raise Refused(f"The region's vertex group '{roi}' holds no vertices: assign some, or clear the region")
+        raise Refused(
+            f"The region's vertex group '{roi}' holds no vertices: assign some, or clear the region"
+        )
     for number, name in enumerate(handles):
         for other in handles[:number]:
             shared = np.intersect1d(groups[name], groups[other])
@@ -39,7 +41,10 @@ class BoundPose:
     """The native pose of one bound mesh, with what it was made from, to tell whether it still holds."""
 
     def __init__(self, vertices, triangles, corners, handles, roi, method):
-        """``vertices`` (n, 3) in solve space, ``corners`` (c,) the faces' vertex indices, handles of indices."""
+        """``vertices`` (n, 3) in solve space, ``corners`` (c,) the vertices of the faces in turn.
+
+        ``handles`` is a list of vertex index arrays, ``roi`` one such array or None.
+        """
         self.vertices = vertices
         self.corners = corners
         self.method = method
@@ -59,7 +64,9 @@ class BoundPose:
 
     def is_due(self, transforms):
         """True where a solve would change something: the handles moved, or the last solve stopped early."""
-        return not self.converged or self.transforms is None or not np.array_equal(transforms, self.transforms)
+        return (
+            not self.converged or self.transforms is None or not np.array_equal(transforms, self.transforms)
+        )
 
     def solve(self, transforms):
         """One solve, at once, from the previous pose: (n, 3) in solve space and the report."""

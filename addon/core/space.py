@@ -19,7 +19,7 @@ def linear_part(matrix_world, name):
     values = np.linalg.svd(linear, compute_uv=False)
     if not np.isfinite(values).all() or values[2] <= SINGULAR * values[0]:
         raise Refused(
-            f"The scale of object '{name}' is zero along an axis: give it a scale other than 0, then run again"
+            f"The scale of object '{name}' is zero along an axis: set it to another value, then run again"
         )
     return linear
 

@@ -66,4 +66,6 @@ class Keys:
     def deltas(self, rest, shapes):
         """(n_target, 3) for each pair, from the transferred shapes and the target's rest shape."""
         for shape, relative in self._pairs:
-            yield (rest if shape is None else shapes[shape]) - (rest if relative is None else shapes[relative])
+            yield (rest if shape is None else shapes[shape]) - (
+                rest if relative is None else shapes[relative]
+            )

@@ -1,8 +1,8 @@
 """In-betweens as shape keys under one slider.
 
-The baked keys are the path at the knots, each relative to the key the path starts from, and each driven by its hat
-function h_i of the slider t. Blender then adds sum_i h_i(t) (P_i - P_0) to what the other keys show: with the
-start key on, that is the path from P_0 to P_n, straight between the knots; P_0 itself needs no key.
+The baked keys are the path at the knots, each relative to the key the path starts from, and each driven by
+its hat function h_i of the slider t. Blender then adds sum_i h_i(t) (P_i - P_0) to what the other keys show:
+with the start key on, that is the path from P_0 to P_n, straight between the knots; P_0 needs no key.
 """
 
 import bpy
@@ -30,9 +30,14 @@ class LISSOM_OT_inbetween_bake(JobOperator, bpy.types.Operator):
         name="From", description="Shape key that the arc starts at; empty: the Basis", options={"SKIP_SAVE"}
     )
     end: StringProperty(name="To", description="Shape key that the arc ends at", options={"SKIP_SAVE"})
-    count: IntProperty(name="In-betweens", description="Shape keys between the two", default=5, min=1, max=100)
+    count: IntProperty(
+        name="In-betweens", description="Shape keys between the two", default=5, min=1, max=100
+    )
     rotation: EnumProperty(
-        name="Rotation", description="How the turn of every face is chosen", items=ROTATION_ITEMS, default="consistent"
+        name="Rotation",
+        description="How the turn of every face is chosen",
+        items=ROTATION_ITEMS,
+        default="consistent",
     )
     slider: StringProperty(
         name="Slider",
@@ -42,7 +47,7 @@ class LISSOM_OT_inbetween_bake(JobOperator, bpy.types.Operator):
     exists: exists_property("UPDATE")
     prepare_keys: BoolProperty(
         name="Prepare Keys",
-        description="Set the start key to 1 and the end key to 0, so that the slider alone plays from the one to "
+        description="Set the start key to 1 and the end key to 0, so that the slider alone plays from one to "
         "the other. Driven or locked keys are left as they are",
         default=True,
     )
@@ -65,11 +70,15 @@ class LISSOM_OT_inbetween_bake(JobOperator, bpy.types.Operator):
         self._slider = names.resolve(wanted, set(obj.keys()), self.exists)
         if self._slider is None:
             raise Refused(f"Slider '{wanted}' exists, and If Exists is Skip: choose another name")
-        if self._slider in obj.keys() and self._slider not in obj.lissom_inbetween.arcs:
-            raise Refused(f"'{self._slider}' is a custom property of another kind: choose another name for the slider")
+        if self._slider in obj and self._slider not in obj.lissom_inbetween.arcs:
+            raise Refused(
+                f"'{self._slider}' is a custom property of another kind: choose another name for the slider"
+            )
         old = sliders.driven_keys(obj, self._slider)
         if {self._start, self._end} & set(old):
-            raise Refused(f"From and To must not be keys of slider '{self._slider}' itself: choose another slider")
+            raise Refused(
+                f"From and To must not be keys of slider '{self._slider}' itself: choose another slider"
+            )
         checks.require_unlocked([shape_keys.find(obj, name) for name in old])
         self._knots = hat.uniform_knots(self.count)[1:]
         linear = space.linear_part(obj.matrix_world, obj.name)
@@ -88,7 +97,9 @@ class LISSOM_OT_inbetween_bake(JobOperator, bpy.types.Operator):
         start = shape_keys.find(obj, self._start)
         end = shape_keys.find(obj, self._end)
         remove_arc(obj, self._slider)
-        sliders.add(obj, self._slider, f"Lissom: from '{self._start}' at 0 along an arc to '{self._end}' at 1")
+        sliders.add(
+            obj, self._slider, f"Lissom: from '{self._start}' at 0 along an arc to '{self._end}' at 1"
+        )
         taken = set(obj.data.shape_keys.key_blocks.keys())
         knots = [0.0, *self._knots]
         for index, shape in enumerate(shapes, start=1):
@@ -111,7 +122,9 @@ class LISSOM_OT_inbetween_bake(JobOperator, bpy.types.Operator):
             if key == obj.data.shape_keys.reference_key:
                 continue
             if key.lock_shape or shape_keys.is_driven(key):
-                self.report({"WARNING"}, f"Shape key '{key.name}' is driven or locked: set it to {value:.0f} yourself")
+                self.report(
+                    {"WARNING"}, f"Shape key '{key.name}' is driven or locked: set it to {value:.0f} yourself"
+                )
             else:
                 key.value = value
 
@@ -136,7 +149,9 @@ class LISSOM_OT_inbetween_remove(bpy.types.Operator):
         checks.require_writable(obj)
         if self.slider not in obj.lissom_inbetween.arcs:
             raise Refused(f"'{obj.name}' has no arc with a slider named '{self.slider}'")
-        checks.require_unlocked([shape_keys.find(obj, name) for name in sliders.driven_keys(obj, self.slider)])
+        checks.require_unlocked(
+            [shape_keys.find(obj, name) for name in sliders.driven_keys(obj, self.slider)]
+        )
         remove_arc(obj, self.slider)
 
 

@@ -42,8 +42,8 @@ def allowed(operator_class, reason):
 def shown_object(context):
     """The mesh object that a button acts on, as the panel says by a context pointer.
 
-    None for a call from a script, which names any object by a property that poll() cannot see; there execute()
-    refuses in the same words.
+    None for a call from a script, which names any object by a property that poll() cannot see; there
+    execute() refuses in the same words.
     """
     return getattr(context, "lissom_object", None)
 
@@ -60,9 +60,9 @@ def writable_mesh(operator_class, context, bound=None):
 class JobOperator:
     """Mixin of operators with long work.
 
-    A subclass has ``begin(context)``, which reads the scene and returns core.work.Work, and ``finish(context,
-    result)``, which writes. Between the two, Blender goes on: what ``begin`` keeps in ``self`` must be names and
-    arrays, and ``finish`` must find its objects anew (bridge.meshes.Snapshot).
+    A subclass has ``begin(context)``, which reads the scene and returns core.work.Work, and
+    ``finish(context, result)``, which writes. Between the two, Blender goes on: what ``begin`` keeps in
+    ``self`` must be names and arrays, and ``finish`` must find its objects anew (bridge.meshes.Snapshot).
     """
 
     @answering

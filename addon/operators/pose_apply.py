@@ -22,9 +22,15 @@ class LISSOM_OT_pose_apply(JobOperator, bpy.types.Operator):
     name: StringProperty(name="Name", description="Name of the shape key", default="Pose")
     exists: exists_property("RENAME")
     value: FloatProperty(
-        name="Value", description="Value of the new shape key; at 1 the mesh stays as posed", default=1.0, min=0, max=1
+        name="Value",
+        description="Value of the new shape key; at 1 the mesh stays as posed",
+        default=1.0,
+        min=0,
+        max=1,
     )
-    reset: BoolProperty(name="Reset Handles", description="Put the handles back where they were at Bind", default=True)
+    reset: BoolProperty(
+        name="Reset Handles", description="Put the handles back where they were at Bind", default=True
+    )
 
     @classmethod
     def poll(cls, context):

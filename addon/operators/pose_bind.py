@@ -23,7 +23,10 @@ class LISSOM_OT_pose_bind(bpy.types.Operator):
 
     object: StringProperty(**OBJECT)
     method: EnumProperty(
-        name="Method", description="How the mesh between the handles follows them", items=METHOD_ITEMS, default="arap"
+        name="Method",
+        description="How the mesh between the handles follows them",
+        items=METHOD_ITEMS,
+        default="arap",
     )
 
     @classmethod
@@ -113,7 +116,7 @@ class LISSOM_OT_pose_reset(bpy.types.Operator):
 
 
 class LISSOM_OT_pose_unbind(bpy.types.Operator):
-    """Release the mesh: the shape key that shows the pose is removed, applied poses stay, handles go back to rest"""
+    """Release the mesh: the pose is dropped and the handles go back, applied poses stay"""
 
     bl_idname = "lissom.pose_unbind"
     bl_label = "Unbind"

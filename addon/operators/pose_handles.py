@@ -10,7 +10,11 @@ from ..core import space
 from ..core.refused import Refused
 from .job import allowed, answering, shown_object, writable_mesh
 
-OBJECT = dict(name="Object", description="Name of the mesh object; empty: the active one", options={"SKIP_SAVE"})
+OBJECT = {
+    "name": "Object",
+    "description": "Name of the mesh object; empty: the active one",
+    "options": {"SKIP_SAVE"},
+}
 
 
 def _poll(operator_class, context):
@@ -97,7 +101,9 @@ class LISSOM_OT_pose_handle_remove(bpy.types.Operator):
         settings = obj.lissom_pose
         index = settings.handles.find(self.handle) if self.handle else settings.active_handle
         if not 0 <= index < len(settings.handles):
-            raise Refused(f"'{obj.name}' has no handle '{self.handle}'" if self.handle else "Choose a handle first")
+            raise Refused(
+                f"'{obj.name}' has no handle '{self.handle}'" if self.handle else "Choose a handle first"
+            )
         empty = settings.handles[index].empty
         if empty is not None and empty.lissom_handle_of == obj:
             bpy.data.objects.remove(empty)

@@ -8,21 +8,24 @@ import numpy as np
 from bpy.props import StringProperty
 
 from .. import session
-from ..bridge import markers as bridge_markers
 from ..bridge import checks, meshes, shape_keys
+from ..bridge import markers as bridge_markers
 from ..core import space
 from ..core.transfer import fit_work
 from .job import JobOperator, allowed
 from .transfer_markers import SOURCE, TARGET
 
-MARKERS = dict(
-    name="Markers", description="Marker pairs as the text of a marker file; empty: the scene's list",
-    options={"SKIP_SAVE"},
-)  # fmt: skip
-MARKER_FILE = dict(
-    name="Marker File", description="Marker file to use in place of the scene's list", subtype="FILE_PATH",
-    options={"SKIP_SAVE"},
-)  # fmt: skip
+MARKERS = {
+    "name": "Markers",
+    "description": "Marker pairs as the text of a marker file; empty: the scene's list",
+    "options": {"SKIP_SAVE"},
+}
+MARKER_FILE = {
+    "name": "Marker File",
+    "description": "Marker file to use in place of the scene's list",
+    "subtype": "FILE_PATH",
+    "options": {"SKIP_SAVE"},
+}
 
 
 class Memory(NamedTuple):
@@ -49,12 +52,16 @@ class Request:
         self.source, self.target = (
             meshes.Snapshot.of(obj, space.linear_part(obj.matrix_world, obj.name)) for obj in (source, target)
         )
-        self.pairs, self.warnings = bridge_markers.gather(context, source, target, operator.markers, operator.filepath)
+        self.pairs, self.warnings = bridge_markers.gather(
+            context, source, target, operator.markers, operator.filepath
+        )
         self.markers = np.array([(marker.source, marker.target) for marker in self.pairs], dtype=np.int64)
 
     def geometry(self):
         """(vertices, triangles) of source and target in solve space."""
-        return [(space.into(mesh.linear, mesh.vertices), mesh.triangles) for mesh in (self.source, self.target)]
+        return [
+            (space.into(mesh.linear, mesh.vertices), mesh.triangles) for mesh in (self.source, self.target)
+        ]
 
     def digest(self):
         """Equal exactly when a fit made for one request serves the other."""
@@ -69,9 +76,7 @@ class Request:
 
     def remember(self, fit):
         """Keeps the fit for the next transfer."""
-        session.fit = Memory(
-            self.digest(), self.source.name, self.target.name, self.pairs, fit, summary(fit)
-        )
+        session.fit = Memory(self.digest(), self.source.name, self.target.name, self.pairs, fit, summary(fit))
 
 
 def ready(operator_class, context, keys=False):

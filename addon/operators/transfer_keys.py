@@ -51,7 +51,10 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
         self._shapes = Keys(
             space.into(into, request.source.vertices),
             [
-                (space.into(into, shape_keys.shape(key)), space.into(into, shape_keys.shape(key.relative_key)))
+                (
+                    space.into(into, shape_keys.shape(key)),
+                    space.into(into, shape_keys.shape(key.relative_key)),
+                )
                 for key in kept
             ],
         )
@@ -106,7 +109,9 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
         basis = shape_keys.ensure_basis(target)
         for name in order:
             relative_name, settings = self._settings[name]
-            relative = target.data.shape_keys.key_blocks.get(self._plan.get(relative_name, relative_name), basis)
+            relative = target.data.shape_keys.key_blocks.get(
+                self._plan.get(relative_name, relative_name), basis
+            )
             shape = shape_keys.shape(relative) if relative != basis else rest
             shape_keys.write(target, self._plan[name], shape + deltas[name], settings, relative)
 

@@ -13,14 +13,24 @@ from ..core import markers
 from ..core.refused import Refused
 from .job import allowed, answering
 
-SOURCE = dict(name="Source", description="Name of the source object; empty: the scene's", options={"SKIP_SAVE"})
-TARGET = dict(name="Target", description="Name of the target object; empty: the scene's", options={"SKIP_SAVE"})
+SOURCE = {
+    "name": "Source",
+    "description": "Name of the source object; empty: the scene's",
+    "options": {"SKIP_SAVE"},
+}
+TARGET = {
+    "name": "Target",
+    "description": "Name of the target object; empty: the scene's",
+    "options": {"SKIP_SAVE"},
+}
 
 
 def _needs_pair(operator_class, context):
     settings = context.scene.lissom_transfer
     missing = settings.source is None or settings.target is None or settings.source == settings.target
-    return allowed(operator_class, "Choose two different objects as source and target first" if missing else "")
+    return allowed(
+        operator_class, "Choose two different objects as source and target first" if missing else ""
+    )
 
 
 def _needs_markers(operator_class, context):
@@ -46,7 +56,7 @@ def _selected(obj):
 class LISSOM_OT_marker_add(bpy.types.Operator):
     """Pair the vertex selected on the source with the one selected on the target.
 
-    Select both objects, go to Edit Mode, click a vertex of the one and Shift-click its counterpart on the other"""
+    Select both objects, go to Edit Mode, click a vertex and Shift-click its counterpart on the other"""
 
     bl_idname = "lissom.marker_add"
     bl_label = "Add Marker Pair"
@@ -62,7 +72,9 @@ class LISSOM_OT_marker_add(bpy.types.Operator):
         name="Target Vertex", description="Index of the vertex; -1: the selected one", default=-1, min=-1,
         options={"SKIP_SAVE"},
     )  # fmt: skip
-    name: StringProperty(name="Name", description="What this place is; empty: numbered", options={"SKIP_SAVE"})
+    name: StringProperty(
+        name="Name", description="What this place is; empty: numbered", options={"SKIP_SAVE"}
+    )
 
     @answering
     def execute(self, context):
@@ -77,7 +89,9 @@ class LISSOM_OT_marker_add(bpy.types.Operator):
                 f"Select one vertex on each mesh: '{source.name}' has {counts[0]} selected, '{target.name}' {counts[1]}"
             )
         if counts[0] > 1 and not (source.mode == target.mode == "EDIT"):
-            raise Refused(f"{counts[0]} vertices are selected on each mesh: select one on each, or go to Edit Mode")
+            raise Refused(
+                f"{counts[0]} vertices are selected on each mesh: select one on each, or go to Edit Mode"
+            )
         known = bridge_markers.of_scene(context.scene)
         added = []
         for source_vertex, target_vertex in zip(*sides, strict=True):
@@ -95,7 +109,11 @@ class LISSOM_OT_marker_remove(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     index: IntProperty(
-        name="Index", description="Place in the list; -1: the active one", default=-1, min=-1, options={"SKIP_SAVE"}
+        name="Index",
+        description="Place in the list; -1: the active one",
+        default=-1,
+        min=-1,
+        options={"SKIP_SAVE"},
     )
 
     @classmethod

@@ -42,7 +42,9 @@ class LISSOM_MT_handle_add(bpy.types.Menu):
         layout = self.layout
         obj = checks.active_mesh(context)
         layout.context_pointer_set("lissom_object", obj)
-        new = layout.operator("lissom.pose_handle_add", text="From Selected Vertices", icon="RESTRICT_SELECT_OFF")
+        new = layout.operator(
+            "lissom.pose_handle_add", text="From Selected Vertices", icon="RESTRICT_SELECT_OFF"
+        )
         new.object = obj.name
         layout.separator()
         free = [group.name for group in obj.vertex_groups if group.name not in obj.lissom_pose.handles]
@@ -115,6 +117,7 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         icon, text = session.status.get(obj.name, ("INFO", "Move an Empty: the mesh follows"))
         draw_lines(layout, icon, text)
         draw_progress(layout, "pose")
+        layout.separator()
         box = layout.column(align=True)
         box.prop(settings, "key_name", icon="SHAPEKEY_DATA", text="")
         row = box.row(align=True)

@@ -16,9 +16,9 @@ class LISSOM_UL_markers(bpy.types.UIList):
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
         row = layout.row(align=True)
         row.prop(item, "name", text="", emboss=False, icon="PMARKER_ACT")
-        numbers = row.row(align=True)
-        numbers.alignment = "RIGHT"
-        numbers.label(text=f"{item.source} \N{RIGHTWARDS ARROW} {item.target}")
+        row = row.row()
+        row.alignment = "RIGHT"
+        row.label(text=f"{item.source} \N{RIGHTWARDS ARROW} {item.target}")
         row.operator("lissom.marker_show", text="", icon="RESTRICT_SELECT_OFF", emboss=False).index = index
 
 
@@ -31,7 +31,10 @@ class LISSOM_UL_keys(bpy.types.UIList):
         ticked = item.name in context.scene.lissom_transfer.chosen
         row = layout.row(align=True)
         toggle = row.operator(
-            "lissom.transfer_choose", text="", icon="CHECKBOX_HLT" if ticked else "CHECKBOX_DEHLT", emboss=False
+            "lissom.transfer_choose",
+            text="",
+            icon="CHECKBOX_HLT" if ticked else "CHECKBOX_DEHLT",
+            emboss=False,
         )
         toggle.action, toggle.key = "TOGGLE", item.name
         row.label(text=item.name, translate=False)
@@ -97,6 +100,13 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         side.operator("lissom.marker_remove", text="", icon="REMOVE")
         side.separator()
         side.menu("LISSOM_MT_markers", text="", icon="DOWNARROW_HLT")
+        if len(settings.markers) < 3:
+            draw_lines(
+                layout,
+                "INFO",
+                "Select both meshes, press Tab, click a vertex, Shift-click its counterpart on the other mesh, "
+                "and press +. Ten or more pairs suit a face",
+            )
 
     def _draw_fit(self, layout, context):
         settings = context.scene.lissom_transfer
@@ -116,7 +126,13 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         if settings.which == "SELECTED" and source and shape_keys.key_names(source):
             column = layout.column(align=True)
             column.template_list(
-                "LISSOM_UL_keys", "", source.data.shape_keys, "key_blocks", source, "active_shape_key_index", rows=4
+                "LISSOM_UL_keys",
+                "",
+                source.data.shape_keys,
+                "key_blocks",
+                source,
+                "active_shape_key_index",
+                rows=4,
             )
             row = column.row(align=True)
             row.operator("lissom.transfer_choose", text="All").action = "ALL"

@@ -36,10 +36,14 @@ class LissomInbetween(bpy.types.PropertyGroup):
         max=100,
     )
     rotation: EnumProperty(
-        name="Rotation", description="How the turn of every face is chosen", items=ROTATION_ITEMS, default="consistent"
+        name="Rotation",
+        description="How the turn of every face is chosen",
+        items=ROTATION_ITEMS,
+        default="consistent",
     )
     slider: StringProperty(
-        name="Slider", description="Name of the slider, and of the baked keys. Empty: named after the key it leads to"
+        name="Slider",
+        description="Name of the slider, and of the baked keys. Empty: named after the key it leads to",
     )
     arcs: CollectionProperty(type=LissomArc)
 

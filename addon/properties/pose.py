@@ -14,7 +14,7 @@ from bpy.props import (
 
 from .. import live
 
-# Name, label and one line for the artist. The number that a file stores is the place in this list: only append.
+# Name, label, one line for the artist. A file stores the place in this list: only append.
 _METHODS = (
     ("laplacian", "Laplacian", "Keeps the details' vectors; fast, for small motions without turns"),
     ("laplacian_fitted", "Laplacian, fitted", "Turns and scales the details to fit; for medium turns"),
@@ -26,7 +26,9 @@ _METHODS = (
 )
 
 METHOD_ITEMS = [
-    (name, label, line, number) for number, (name, label, line) in enumerate(_METHODS) if name in lissom.POSE_METHODS
+    (name, label, line, number)
+    for number, (name, label, line) in enumerate(_METHODS)
+    if name in lissom.POSE_METHODS
 ]
 
 
@@ -46,7 +48,9 @@ class LissomHandle(bpy.types.PropertyGroup):
     empty: PointerProperty(
         type=bpy.types.Object, poll=_is_handle, name="Empty", description="The Empty that moves this handle"
     )
-    rest: FloatVectorProperty(size=16, description="Matrix of the Empty at Bind, in the object's coordinates, by rows")
+    rest: FloatVectorProperty(
+        size=16, description="Matrix of the Empty at Bind, in the object's coordinates, by rows"
+    )
 
 
 class LissomPose(bpy.types.PropertyGroup):
@@ -54,7 +58,7 @@ class LissomPose(bpy.types.PropertyGroup):
 
     roi: StringProperty(
         name="Region",
-        description="Only vertices of this vertex group may move; all others stay. Empty: the whole mesh may move",
+        description="Region of interest (ROI): only vertices of this group may move. Empty: the whole mesh may move",
     )
     handles: CollectionProperty(type=LissomHandle)
     active_handle: IntProperty(name="Active Handle", options=set())

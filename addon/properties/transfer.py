@@ -42,10 +42,16 @@ class LissomTransfer(bpy.types.PropertyGroup):
     """Settings of the scene's transfer."""
 
     source: PointerProperty(
-        type=bpy.types.Object, poll=_is_mesh, name="Source", description="The mesh whose shape keys are carried over"
+        type=bpy.types.Object,
+        poll=_is_mesh,
+        name="Source",
+        description="The mesh whose shape keys are carried over",
     )
     target: PointerProperty(
-        type=bpy.types.Object, poll=_is_mesh, name="Target", description="The mesh that receives the shape keys"
+        type=bpy.types.Object,
+        poll=_is_mesh,
+        name="Target",
+        description="The mesh that receives the shape keys",
     )
     markers: CollectionProperty(type=LissomMarker)
     active_marker: IntProperty(name="Active Marker", options=set())

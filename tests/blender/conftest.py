@@ -1,4 +1,4 @@
-"""Registers the add-on in the bpy module of this environment, under the name that Blender gives an extension."""
+"""Registers the add-on in this environment's bpy, under the name that Blender gives an extension."""
 
 import importlib.util
 import pathlib
