@@ -80,7 +80,7 @@ class Request:
 
 
 def ready(operator_class, context, keys=False):
-    """poll(): what the panel still misses, said on its buttons; calls from scripts are checked when they run."""
+    """poll(): what the panel still misses, said on its buttons; scripts' calls are checked as they run."""
     settings = getattr(context, "lissom_transfer", None)
     reason = ""
     if settings is not None:

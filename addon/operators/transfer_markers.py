@@ -86,7 +86,8 @@ class LISSOM_OT_marker_add(bpy.types.Operator):
         counts = [len(side) for side in sides]
         if counts[0] != counts[1] or not counts[0]:
             raise Refused(
-                f"Select one vertex on each mesh: '{source.name}' has {counts[0]} selected, '{target.name}' {counts[1]}"
+                f"Select one vertex on each mesh: '{source.name}' has {counts[0]} selected, "
+                f"'{target.name}' {counts[1]}"
             )
         if counts[0] > 1 and not (source.mode == target.mode == "EDIT"):
             raise Refused(

@@ -104,7 +104,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             draw_lines(
                 layout,
                 "INFO",
-                "Select both meshes, press Tab, click a vertex, Shift-click its counterpart on the other mesh, "
+                "Select both meshes, press Tab, click a vertex, Shift-click its counterpart on the other, "
                 "and press +. Ten or more pairs suit a face",
             )
 
