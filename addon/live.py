@@ -19,6 +19,7 @@ from .core.refused import Refused
 _due = set()  # names of mesh objects to solve
 _delay = 0.0  # seconds until the next solve: half of what the last one took, to leave time for drawing
 MAX_DELAY = 0.25
+ITERATIONS = 20  # of iterative methods in one go while the artist watches
 
 
 def mark(obj):
@@ -28,8 +29,11 @@ def mark(obj):
         bpy.app.timers.register(_flush, first_interval=_delay)
 
 
-def update(obj):
-    """Solves once if the handles moved; True where more iterations are wanted."""
+def update(obj, **options):
+    """Solves once if the handles moved; True where more iterations are wanted.
+
+    ``options`` are those of lissom.Pose.solve.
+    """
     settings = obj.lissom_pose
     if not (settings.bound and settings.live) or obj.mode != "OBJECT":
         return False
@@ -40,7 +44,7 @@ def update(obj):
         if not bound.is_due(transforms):
             return False
         poses.preview(obj)
-        vertices, _ = bound.solve(transforms)
+        vertices, _ = bound.solve(transforms, **options)
         poses.show(obj, vertices)
     except (Refused, lissom.Error) as error:
         session.status[obj.name] = ("ERROR", str(error))
@@ -54,7 +58,7 @@ def _flush():
     started = time.perf_counter()
     for name in list(_due):
         obj = bpy.data.objects.get(name)
-        if obj is None or not update(obj):
+        if obj is None or not update(obj, max_iterations=ITERATIONS):
             _due.discard(name)
     _delay = min(0.5 * (time.perf_counter() - started), MAX_DELAY)
     _redraw()
@@ -79,8 +83,8 @@ def _on_update(scene, depsgraph):
     if bpy.app.background:
         while _due:
             obj = bpy.data.objects.get(_due.pop())
-            while obj is not None and update(obj):
-                pass
+            if obj is not None:
+                update(obj)
 
 
 @persistent
@@ -91,7 +95,7 @@ def _on_history(*_):
     for obj in bpy.data.objects:
         if obj.type == "MESH" and obj.lissom_pose.bound:
             if obj.session_uid in session.poses:
-                session.poses[obj.session_uid].transforms = None
+                session.poses[obj.session_uid].forget()
             mark(obj)
 
 

@@ -65,9 +65,11 @@ def select_only(obj, vertex):
         bmesh.update_edit_mesh(obj.data, loop_triangles=False, destructive=False)
         return
     mesh = obj.data
-    for elements in (mesh.polygons, mesh.edges, mesh.vertices):
-        elements.foreach_set("select", np.zeros(len(elements), dtype=bool))
-    mesh.vertices[vertex].select = True
+    mesh.vertices.foreach_set("select", np.arange(len(mesh.vertices)) == vertex)
+    for name in (".select_edge", ".select_poly"):  # by name: 5.0.1 crashes where an edge is deselected in RNA
+        attribute = mesh.attributes.get(name)
+        if attribute is not None:
+            attribute.data.foreach_set("value", np.zeros(len(attribute.data), dtype=bool))
     mesh.update()
 
 

@@ -42,8 +42,9 @@ def current(obj):
             return known
     if meshes.signature(obj.data) != settings.topology:
         raise Refused(f"The mesh of '{obj.name}' was remodelled since Bind: press Unbind, then Bind")
-    session.poses[obj.session_uid] = build(obj, linear, settings.method)
-    return session.poses[obj.session_uid]
+    made = session.poses[obj.session_uid] = build(obj, linear, settings.method)
+    made.forget()
+    return made
 
 
 def linear_part(obj):
@@ -100,4 +101,4 @@ def reset(obj):
     place_at_rest(obj)
     shape_keys.write_points(preview(obj), meshes.rest_positions(obj.data))
     if obj.session_uid in session.poses:
-        session.poses[obj.session_uid].transforms = None
+        session.poses[obj.session_uid].put_to_rest()

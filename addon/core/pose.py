@@ -6,6 +6,9 @@ import numpy as np
 from .refused import Refused, first
 from .work import Work
 
+# Empties keep their place in single precision: below this change, of the mesh's extent, a handle stands still.
+STILL = 2e-6
+
 
 def check_groups(groups, handles, roi):
     """Refused where a vertex group is missing, empty or overlaps another handle (rows 19, 23, 25).
@@ -50,9 +53,21 @@ class BoundPose:
         self.method = method
         mesh = lissom.Mesh(vertices, triangles)
         self.pose = lissom.Pose(mesh, handles, roi=roi, method=method)
-        self.warnings = list(mesh.warnings)
-        self.transforms = None  # of the last solve; None: solve at the next occasion
-        self.converged = True
+        self.warnings = [*mesh.warnings, *self.pose.warnings]
+        self.extent = np.linalg.norm(np.ptp(vertices, axis=0))
+        self._handles = len(handles)
+        self.put_to_rest()
+
+    def put_to_rest(self):
+        """The mesh is shown at rest, all handles stand where they were bound."""
+        self._transforms = np.tile(np.eye(4), (self._handles, 1, 1))
+        self._converged = True
+        self._warm = False
+
+    def forget(self):
+        """What is shown is not the last solve (any more): the next occasion solves, and from the rest shape."""
+        self._transforms = None
+        self._warm = False
 
     def fits(self, vertices, corners, method):
         """True while mesh and method are the ones this pose was made for."""
@@ -63,25 +78,31 @@ class BoundPose:
         )
 
     def is_due(self, transforms):
-        """True where a solve would change something: the handles moved, or the last solve stopped early."""
-        return (
-            not self.converged or self.transforms is None or not np.array_equal(transforms, self.transforms)
-        )
+        """True where a solve would change what is shown: a handle moved, or the last solve stopped early."""
+        if self._transforms is None or not self._converged:
+            return True
+        change = np.abs(transforms - self._transforms)
+        return change[:, :3, :3].max() > STILL or change[:, :3, 3].max() > STILL * self.extent
 
-    def solve(self, transforms):
-        """One solve, at once, from the previous pose: (n, 3) in solve space and the report."""
-        return self.note(transforms, self.pose.solve(transforms))
+    def solve(self, transforms, **options):
+        """One solve, at once: (n, 3) in solve space and the report; ``options`` of lissom.Pose.solve."""
+        return self._note(transforms, self.pose.solve(transforms, warm_start=self._warm, **options))
 
     def work(self, transforms):
         """The same on a thread of its own, as Work; its result is that of ``solve``."""
 
         def steps():
-            return self.note(transforms, (yield self.pose.start(transforms)))
+            return self._note(transforms, (yield self.pose.start(transforms, warm_start=self._warm)))
 
         return Work(steps())
 
-    def note(self, transforms, result):
-        """Remembers what was solved."""
-        self.transforms = transforms
-        self.converged = result.report.get("converged", True)
+    def _note(self, transforms, result):
+        self._transforms = transforms
+        self._converged = result.report["converged"]
+        self._warm = True
         return result.vertices, result.report
+
+    @property
+    def converged(self):
+        """Whether the last solve went to the end."""
+        return self._converged

@@ -53,10 +53,10 @@ class Work:
 
     def poll(self):
         """Goes on if the running job is done; True once all is finished. Raises what the job raised."""
+        if self._cancelled:  # a job that cannot stop at once is left behind, its result is dropped
+            self._steps.close()
+            raise lissom.Cancelled("cancelled: nothing was changed")
         if not self.finished and self._job.done:
-            if self._cancelled:
-                self._steps.close()
-                raise lissom.Cancelled("cancelled: nothing was changed")
             self._advance(self._job.result())
         return self.finished
 

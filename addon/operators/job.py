@@ -24,8 +24,8 @@ def answering(function):
             return function(self, context, *arguments) or {"FINISHED"}
         except lissom.Cancelled:
             self.report({"WARNING"}, "Cancelled: nothing was changed")
-        except (Refused, lissom.Error, ValueError, MemoryError) as error:
-            self.report({"ERROR"}, str(error) or type(error).__name__)
+        except (Refused, lissom.Error) as error:
+            self.report({"ERROR"}, str(error))
         return {"CANCELLED"}
 
     return answer
@@ -98,9 +98,12 @@ class JobOperator:
             return {"RUNNING_MODAL"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
-        answer = self._tick(context)
-        if answer != {"PASS_THROUGH"}:
-            self._stop(context)
+        answer = {"CANCELLED"}  # for the panel's sake also where a bug of ours goes through as it is
+        try:
+            answer = self._tick(context)
+        finally:
+            if answer != {"PASS_THROUGH"}:
+                self._stop(context)
         return answer
 
     @answering

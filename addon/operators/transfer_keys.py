@@ -136,6 +136,7 @@ class LISSOM_OT_transfer_choose(bpy.types.Operator):
 
     action: EnumProperty(
         name="Action",
+        description="Which ticks to set",
         items=[
             ("TOGGLE", "Toggle", "Tick or untick one key"),
             ("ALL", "All", "Tick all keys"),

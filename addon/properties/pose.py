@@ -58,7 +58,7 @@ class LissomPose(bpy.types.PropertyGroup):
 
     roi: StringProperty(
         name="Region",
-        description="Region of interest (ROI): only this vertex group may move. Empty: the whole mesh may move",
+        description="Region of interest (ROI): only this group may move. Empty: the whole mesh may move",
     )
     handles: CollectionProperty(type=LissomHandle)
     active_handle: IntProperty(name="Active Handle", options=set())

@@ -8,11 +8,15 @@ import types
 import bpy
 import pytest
 
-ADDON = pathlib.Path(__file__).parents[2] / "addon"
+HERE = pathlib.Path(__file__).parent
+ADDON = HERE.parents[1] / "addon"
 PACKAGE = "bl_ext.user_default.lissom"
 
+sys.path.insert(0, str(HERE))  # for scene.py
 
-def _load():
+
+def load():
+    """Imports addon/ as Blender does."""
     for name in ("bl_ext", "bl_ext.user_default"):
         sys.modules.setdefault(name, types.ModuleType(name)).__path__ = []
     spec = importlib.util.spec_from_file_location(
@@ -24,12 +28,15 @@ def _load():
     return module
 
 
+_package = load()  # here already: test modules import from it
+
+
 @pytest.fixture(scope="session", autouse=True)
 def addon():
-    module = _load()
-    module.register()
-    yield module
-    module.unregister()
+    """The registered package."""
+    _package.register()
+    yield _package
+    _package.unregister()
 
 
 @pytest.fixture(autouse=True)
