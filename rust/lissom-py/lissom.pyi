@@ -1,0 +1,131 @@
+"""Pose, transfer and interpolate triangle meshes."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__version__: str
+POSE_METHODS: tuple[str, ...]
+
+class Error(Exception):
+    argument: str
+    indices: list[int]
+    count: int
+
+class InvalidMesh(Error): ...
+class InvalidConstraint(Error): ...
+class InvalidValue(Error, ValueError): ...
+class SolveFailed(Error): ...
+class Cancelled(Error): ...
+class InternalError(Error): ...
+
+class Job:
+    @property
+    def progress(self) -> tuple[float, str]: ...
+    @property
+    def done(self) -> bool: ...
+    def cancel(self) -> None: ...
+    def result(self) -> Any: ...
+
+class Mesh:
+    def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None: ...
+    @property
+    def vertices(self) -> NDArray[np.float64]: ...
+    @property
+    def diagonal(self) -> float: ...
+    @property
+    def components(self) -> int: ...
+    @property
+    def warnings(self) -> list[str]: ...
+
+class Posed:
+    vertices: NDArray[np.float64]
+    report: dict[str, Any]
+
+class Pose:
+    def __init__(
+        self, mesh: Mesh, handles: Sequence[ArrayLike], roi: ArrayLike | None = None, method: str = "arap"
+    ) -> None: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def solve(
+        self,
+        transforms: ArrayLike,
+        *,
+        max_iterations: int = 200,
+        tolerance: float = 1e-6,
+        warm_start: bool = True,
+    ) -> Posed: ...
+    def solve_points(
+        self,
+        targets: ArrayLike,
+        *,
+        max_iterations: int = 200,
+        tolerance: float = 1e-6,
+        warm_start: bool = True,
+    ) -> Posed: ...
+    def start(
+        self,
+        transforms: ArrayLike,
+        *,
+        max_iterations: int = 200,
+        tolerance: float = 1e-6,
+        warm_start: bool = True,
+    ) -> Job: ...
+
+class Fit:
+    pairs: NDArray[np.int64]
+    fitted_vertices: NDArray[np.float64]
+    report: dict[str, Any]
+
+def fit_correspondence(
+    source: Mesh,
+    target: Mesh,
+    markers: ArrayLike,
+    *,
+    smoothness: float = 1.0,
+    identity: float = 0.001,
+    closest: float = 5000.0,
+    steps: int = 6,
+    rounds: int = 4,
+    match_distance: float = 0.02,
+) -> Fit: ...
+def start_fit(
+    source: Mesh,
+    target: Mesh,
+    markers: ArrayLike,
+    *,
+    smoothness: float = 1.0,
+    identity: float = 0.001,
+    closest: float = 5000.0,
+    steps: int = 6,
+    rounds: int = 4,
+    match_distance: float = 0.02,
+) -> Job: ...
+
+class Transferred:
+    vertices: NDArray[np.float64]
+
+class Transfer:
+    def __init__(
+        self,
+        source: Mesh,
+        target: Mesh,
+        fit: Fit | ArrayLike,
+        *,
+        unmatched: str = "follow",
+        weighting: str = "pairs",
+    ) -> None: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def apply(self, poses: ArrayLike) -> Transferred: ...
+    def start(self, poses: ArrayLike) -> Job: ...
+
+class Inbetween:
+    def __init__(self, mesh: Mesh, start: ArrayLike, end: ArrayLike, rotation: str = "consistent") -> None: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def at(self, times: ArrayLike) -> NDArray[np.float64]: ...
+    def keyframes(self, tolerance: float, max_keys: int = 32) -> NDArray[np.float64]: ...
