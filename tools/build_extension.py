@@ -1,7 +1,8 @@
 """Writes the installable extension: addon/ and the native wheel in one zip for each platform.
 
-    python tools/build_extension.py dist/lissom-0.1.0-cp311-abi3-manylinux_2_28_x86_64.whl ...
-    python tools/build_extension.py --blender blender dist/*.whl      also lets Blender validate each zip
+    python tools/build_extension.py                       every wheel in dist/
+    python tools/build_extension.py WHEEL...              these wheels
+    python tools/build_extension.py --blender blender     also lets Blender validate each zip
 
 The result is dist/lissom-<version>-<platform>.zip. The manifest's lists of platforms and wheels are written
 here, from the names of the wheels; the same input gives the same bytes.
@@ -17,6 +18,7 @@ import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 ADDON = ROOT / "addon"
+DIST = ROOT / "dist"
 MARK = "# platforms = [...]\n# wheels = [...]\n"
 
 # Platform tags of wheels, and what Blender calls these platforms.
@@ -76,12 +78,15 @@ def _add(archive, name, data):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("wheels", nargs="+", type=pathlib.Path, help="one wheel of lissom for each platform")
-    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "dist", help="folder for the zips")
+    parser.add_argument("wheels", nargs="*", type=pathlib.Path, help="one wheel of lissom for each platform")
+    parser.add_argument("--out", type=pathlib.Path, default=DIST, help="folder for the zips")
     parser.add_argument("--blender", help="Blender's executable, to validate the zips with")
     options = parser.parse_args()
+    wheels = options.wheels or sorted(DIST.glob("lissom-*.whl"))
+    if not wheels:
+        sys.exit(f"no wheel in {DIST}: build one with maturin first")
     options.out.mkdir(parents=True, exist_ok=True)
-    for wheel in options.wheels:
+    for wheel in wheels:
         path = build(wheel, options.out)
         print(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
         if options.blender:
