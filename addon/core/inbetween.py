@@ -7,7 +7,7 @@ from .work import Pause, Work
 
 
 def path_work(mesh, start, end, knots, options):
-    """Work whose result is (k, n, 3): the path at the knots; ``mesh`` is (vertices, triangles)."""
+    """Work whose result is the path at the knots (k, n, 3) and warnings; ``mesh``: vertices, triangles."""
 
     def steps():
         path = lissom.Inbetween(lissom.Mesh(*mesh), start, end, **options)
@@ -15,6 +15,6 @@ def path_work(mesh, start, end, knots, options):
         for time in knots:
             shapes.append(path.at(np.array([time]))[0])
             yield Pause(len(shapes) / len(knots), "in-betweens")
-        return np.array(shapes)
+        return np.array(shapes), list(path.warnings)
 
     return Work(steps())

@@ -6,7 +6,7 @@ import numpy as np
 from .refused import Refused, first
 from .work import Work
 
-# Empties keep their place in single precision: below this change, of the mesh's extent, a handle stands still.
+# Empties keep their place in single precision: below this part of the mesh's extent a handle stands still.
 STILL = 2e-6
 
 
@@ -65,7 +65,7 @@ class BoundPose:
         self._warm = False
 
     def forget(self):
-        """What is shown is not the last solve (any more): the next occasion solves, and from the rest shape."""
+        """What is shown is not the last solve: the next occasion solves, and from the rest shape."""
         self._transforms = None
         self._warm = False
 

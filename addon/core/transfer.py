@@ -20,19 +20,20 @@ def start_fit(source, target, markers, options):
     return lissom.start_fit(lissom.Mesh(*source), lissom.Mesh(*target), markers, **options)
 
 
-def transfer_work(source, target, fit, markers, options, shapes):
-    """Work whose result is (fit, shapes on the target (k, n_target, 3)).
+def transfer_work(source, target, fit, shapes, options):
+    """Work whose result is (fit, shapes on the target (k, n_target, 3), warnings).
 
-    ``fit`` None means to fit first; ``shapes`` (k, n_source, 3) are absolute positions in solve space.
+    ``fit`` is one that was made before, or what ``start_fit`` needs: (markers, its options). ``shapes``
+    (k, n_source, 3) are absolute positions in solve space; ``options`` are those of lissom.Transfer.
     """
 
     def steps():
-        known = fit or (yield start_fit(source, target, markers, options))
+        known = (yield start_fit(source, target, *fit)) if isinstance(fit, tuple) else fit
         if not len(shapes):
-            return known, shapes
-        transfer = lissom.Transfer(lissom.Mesh(*source), lissom.Mesh(*target), known)
+            return known, shapes, []
+        transfer = lissom.Transfer(lissom.Mesh(*source), lissom.Mesh(*target), known, **options)
         result = yield transfer.start(shapes)
-        return known, result.vertices
+        return known, result.vertices, list(transfer.warnings)
 
     return Work(steps())
 

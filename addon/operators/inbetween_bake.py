@@ -91,7 +91,8 @@ class LISSOM_OT_inbetween_bake(JobOperator, bpy.types.Operator):
             {"rotation": self.rotation},
         )
 
-    def finish(self, context, shapes):
+    def finish(self, context, result):
+        shapes, warnings = result
         obj = self._mesh.find()
         checks.require_writable(obj)
         start = shape_keys.find(obj, self._start)
@@ -112,8 +113,7 @@ class LISSOM_OT_inbetween_bake(JobOperator, bpy.types.Operator):
         arc.name, arc.start, arc.end = self._slider, self._start, self._end
         if self.prepare_keys:
             self._prepare(obj, start, end)
-        warning = checks.shared_data(obj)
-        if warning:
+        for warning in filter(None, [*warnings, checks.shared_data(obj)]):
             self.report({"WARNING"}, warning)
         self.report({"INFO"}, f"{len(shapes)} shape keys under the slider '{self._slider}'")
 

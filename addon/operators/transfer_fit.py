@@ -12,6 +12,7 @@ from ..bridge import checks, meshes, shape_keys
 from ..bridge import markers as bridge_markers
 from ..core import space
 from ..core.transfer import fit_work
+from ..properties.transfer import match_distance_property
 from .job import JobOperator, allowed
 from .transfer_markers import SOURCE, TARGET
 
@@ -39,9 +40,12 @@ class Memory(NamedTuple):
     summary: str
 
 
-def summary(fit):
-    """The fit in one line."""
-    return f"Fitted: {len(fit.pairs)} pairs of faces"
+def summary(report):
+    """How good a fit is, in one line."""
+    return (
+        f"Fit: {report['distance_mean_percent']:.2f} % off on average, "
+        f"{report['unmatched_target_percent']:.1f} % of the target unmatched"
+    )
 
 
 class Request:
@@ -55,6 +59,7 @@ class Request:
         self.pairs, self.warnings = bridge_markers.gather(
             context, source, target, operator.markers, operator.filepath
         )
+        self.options = {"match_distance": operator.match_distance}
         self.markers = np.array([(marker.source, marker.target) for marker in self.pairs], dtype=np.int64)
 
     def geometry(self):
@@ -68,6 +73,7 @@ class Request:
         digest = hashlib.blake2b(digest_size=16)
         for array in (*self.geometry()[0], *self.geometry()[1], self.markers):
             digest.update(np.ascontiguousarray(array).tobytes())
+        digest.update(repr(self.options).encode())
         return digest.hexdigest()
 
     def known_fit(self):
@@ -76,7 +82,9 @@ class Request:
 
     def remember(self, fit):
         """Keeps the fit for the next transfer."""
-        session.fit = Memory(self.digest(), self.source.name, self.target.name, self.pairs, fit, summary(fit))
+        session.fit = Memory(
+            self.digest(), self.source.name, self.target.name, self.pairs, fit, summary(fit.report)
+        )
 
 
 def ready(operator_class, context, keys=False):
@@ -109,6 +117,7 @@ class LISSOM_OT_transfer_fit(JobOperator, bpy.types.Operator):
     target: StringProperty(**TARGET)
     markers: StringProperty(**MARKERS)
     filepath: StringProperty(**MARKER_FILE)
+    match_distance: match_distance_property()
 
     @classmethod
     def poll(cls, context):
@@ -116,14 +125,15 @@ class LISSOM_OT_transfer_fit(JobOperator, bpy.types.Operator):
 
     def begin(self, context):
         self._request = Request(self, context)
-        return fit_work(*self._request.geometry(), self._request.markers, {})
+        return fit_work(*self._request.geometry(), self._request.markers, self._request.options)
 
     def finish(self, context, fit):
         self._request.source.find()
         self._request.target.find()
         self._request.remember(fit)
-        for warning in [*self._request.warnings, *fit.report.get("warnings", ())]:
+        for warning in [*self._request.warnings, *fit.report["warnings"]]:
             self.report({"WARNING"}, warning)
+        self.report({"INFO"}, summary(fit.report))
 
 
 classes = (LISSOM_OT_transfer_fit,)

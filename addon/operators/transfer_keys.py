@@ -7,7 +7,7 @@ from ..bridge import checks, shape_keys
 from ..core import names, space
 from ..core.refused import Refused, first
 from ..core.transfer import Keys, transfer_work
-from ..properties.transfer import exists_property
+from ..properties.transfer import exists_property, match_distance_property, unmatched_property
 from .job import JobOperator, answering
 from .transfer_fit import MARKER_FILE, MARKERS, Request, ready
 from .transfer_markers import SOURCE, TARGET
@@ -28,6 +28,8 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
     exists: exists_property("UPDATE")
     markers: StringProperty(**MARKERS)
     filepath: StringProperty(**MARKER_FILE)
+    match_distance: match_distance_property()
+    unmatched: unmatched_property()
 
     @classmethod
     def poll(cls, context):
@@ -41,6 +43,9 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
         wanted = self.keys.splitlines() if self.keys else shape_keys.key_names(source)
         if not wanted:
             raise Refused(f"'{source.name}' has no shape keys to carry over")
+        twice = [name for name in wanted if wanted.count(name) > 1]
+        if twice:
+            raise Refused(f"Shape key '{twice[0]}' is asked for twice")
         keys = [shape_keys.find(source, name) for name in wanted]
         self._plan = self._destinations(target, keys)
         kept = [key for key in keys if key.name in self._plan]
@@ -59,7 +64,10 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
             ],
         )
         return transfer_work(
-            *request.geometry(), request.known_fit(), request.markers, {}, self._shapes.shapes
+            *request.geometry(),
+            request.known_fit() or (request.markers, request.options),
+            self._shapes.shapes,
+            {"unmatched": self.unmatched},
         )
 
     def _destinations(self, target, keys):
@@ -71,8 +79,6 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
             name = names.resolve(key.name, taken, self.exists)
             if name is None:
                 continue
-            if name in plan.values():
-                raise Refused(f"Shape key '{key.name}' is asked for twice")
             plan[key.name] = name
             taken.add(name)
         if blocks and target.data.shape_keys.reference_key.name in plan.values():
@@ -84,7 +90,7 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
         return plan
 
     def finish(self, context, result):
-        fit, shapes = result
+        fit, shapes, warnings = result
         request = self._request
         request.source.find()
         target = request.target.find()
@@ -96,9 +102,9 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
         for name, delta in zip(self._settings, deltas, strict=True):
             written[name] = space.back(request.target.linear, delta)
         self._write(target, rest, written)
-        for warning in [*request.warnings, *fit.report.get("warnings", ()), checks.shared_data(target)]:
-            if warning:
-                self.report({"WARNING"}, warning)
+        warnings = [*request.warnings, *fit.report["warnings"], *warnings, checks.shared_data(target)]
+        for warning in filter(None, warnings):
+            self.report({"WARNING"}, warning)
         renamed = [new for old, new in self._plan.items() if new != old]
         note = f", renamed: {first(renamed)}" if renamed else ""
         self.report({"INFO"}, f"{len(written)} shape keys on '{target.name}'{note}")

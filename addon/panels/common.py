@@ -11,6 +11,14 @@ class Sidebar:
     bl_category = "Lissom"
 
 
+def split_column(layout):
+    """A column of settings in Blender's own manner: label to the left, no dots of animation."""
+    column = layout.column()
+    column.use_property_split = True
+    column.use_property_decorate = False
+    return column
+
+
 def draw_progress(layout, feature):
     """A bar while an operator of this feature (the middle of its name) is at work."""
     if session.work is not None and session.work_of.startswith(f"LISSOM_OT_{feature}"):

@@ -3,7 +3,7 @@
 import bpy
 
 from ..bridge import checks, sliders
-from .common import Sidebar, draw_lines, draw_progress
+from .common import Sidebar, draw_lines, draw_progress, split_column
 
 
 class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
@@ -22,9 +22,7 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
         layout.label(text=obj.name, icon="OUTLINER_OB_MESH", translate=False)
         settings = obj.lissom_inbetween
         keys = obj.data.shape_keys
-        column = layout.column()
-        column.use_property_split = True
-        column.use_property_decorate = False
+        column = split_column(layout)
         if keys:
             column.prop_search(settings, "start", keys, "key_blocks", text="From", icon="SHAPEKEY_DATA")
             column.prop_search(settings, "end", keys, "key_blocks", text="To", icon="SHAPEKEY_DATA")

@@ -4,7 +4,7 @@ import bpy
 
 from .. import session
 from ..bridge import checks, empties
-from .common import Sidebar, draw_lines, draw_progress
+from .common import Sidebar, draw_lines, draw_progress, split_column
 
 
 class LISSOM_UL_handles(bpy.types.UIList):
@@ -104,9 +104,7 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
             remove.handle = settings.handles[active].name
 
     def _draw_method(self, layout, settings):
-        column = layout.column()
-        column.use_property_split = True
-        column.use_property_decorate = False
+        column = split_column(layout)
         column.prop(settings, "method")
 
     def _draw_bound(self, layout, obj, settings):

@@ -5,7 +5,7 @@ import bpy
 from .. import session
 from ..bridge import markers as bridge_markers
 from ..bridge import shape_keys
-from .common import Sidebar, draw_lines, draw_progress
+from .common import Sidebar, draw_lines, draw_progress, split_column
 
 
 class LISSOM_UL_markers(bpy.types.UIList):
@@ -73,21 +73,23 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         layout = self.layout
         settings = context.scene.lissom_transfer
         layout.context_pointer_set("lissom_transfer", settings)
-        column = layout.column()
-        column.use_property_split = True
-        column.use_property_decorate = False
+        column = split_column(layout)
         column.prop(settings, "source", icon="OUTLINER_OB_MESH")
         column.prop(settings, "target", icon="OUTLINER_OB_MESH")
         self._draw_markers(layout, settings)
+        column = split_column(layout)
+        column.prop(settings, "match_distance")
         row = layout.row()
         row.scale_y = 1.4
-        row.operator("lissom.transfer_fit", icon="MOD_SHRINKWRAP")
+        fit = row.operator("lissom.transfer_fit", icon="MOD_SHRINKWRAP")
+        fit.match_distance = settings.match_distance
         self._draw_fit(layout, context)
         self._draw_keys(layout, settings)
         row = layout.row()
         row.scale_y = 1.4
         transfer = row.operator("lissom.transfer_keys", icon="SHAPEKEY_DATA")
-        transfer.exists = settings.exists
+        transfer.exists, transfer.unmatched = settings.exists, settings.unmatched
+        transfer.match_distance = settings.match_distance
         transfer.keys = "\n".join(row.name for row in settings.chosen) if settings.which == "SELECTED" else ""
         draw_progress(layout, "transfer")
 
@@ -137,9 +139,8 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             row = column.row(align=True)
             row.operator("lissom.transfer_choose", text="All").action = "ALL"
             row.operator("lissom.transfer_choose", text="None").action = "NONE"
-        column = layout.column()
-        column.use_property_split = True
-        column.use_property_decorate = False
+        column = split_column(layout)
+        column.prop(settings, "unmatched")
         column.prop(settings, "exists")
 
 

@@ -1,7 +1,14 @@
 """Settings of a transfer, on the scene."""
 
 import bpy
-from bpy.props import CollectionProperty, EnumProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import (
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 
 EXISTS_ITEMS = [
     ("UPDATE", "Update", "Write over a shape key of the same name"),
@@ -17,6 +24,31 @@ def exists_property(default):
         description="What to do where a shape key of that name is there already",
         items=EXISTS_ITEMS,
         default=default,
+    )
+
+
+def match_distance_property():
+    """The option of the same name of lissom.start_fit."""
+    return FloatProperty(
+        name="Match Distance",
+        description="How far apart the centres of matched faces may be, as a part of the target's diagonal",
+        default=0.02,
+        min=0.0,
+        soft_max=0.1,
+        max=1.0,
+        precision=3,
+    )
+
+
+def unmatched_property():
+    """The option of the same name of lissom.Transfer (row 30)."""
+    return EnumProperty(
+        name="Loose Parts",
+        description="What parts of the target do that no part of the source matches, such as eyes and teeth",
+        items=[
+            ("follow", "Follow", "Move rigidly with the nearest matched surface"),
+            ("rest", "Stay", "Stay where they are"),
+        ],
     )
 
 
@@ -64,6 +96,8 @@ class LissomTransfer(bpy.types.PropertyGroup):
         ],
     )
     chosen: CollectionProperty(type=LissomKeyChoice)
+    match_distance: match_distance_property()
+    unmatched: unmatched_property()
     exists: exists_property("UPDATE")
 
 

@@ -66,6 +66,8 @@ def empty(obj, handle):
 
 def select(obj, vertices, mode="OBJECT"):
     """Selects just these vertices, as an artist does, and leaves the object in ``mode``."""
+    for other in bpy.context.view_layer.objects:
+        other.select_set(other == obj)
     bpy.context.view_layer.objects.active = obj
     bpy.ops.object.mode_set(mode="EDIT")
     edit = bmesh.from_edit_mesh(obj.data)
@@ -111,7 +113,7 @@ def snapshot():
     return {
         obj.name: (
             obj.matrix_world.copy().freeze(),
-            {name for name in obj.keys() if not name.startswith("lissom_")},  # until 5.0 also registered ones
+            {name for name in dict(obj) if not name.startswith("lissom_")},  # until 5.0 also registered ones
             obj.lissom_pose.bound,
             tuple(obj.vertex_groups.keys()),
             _keys(obj) if obj.type == "MESH" else None,

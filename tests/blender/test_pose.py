@@ -36,7 +36,9 @@ def test_empties_stand_at_the_centres_of_their_groups():
     bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="top")
     bpy.context.view_layer.update()
     centre = scene.points(obj.data.vertices)[members].mean(axis=0)
-    assert_allclose(scene.empty(obj, "top").matrix_world.translation, moved(obj.matrix_world, centre), atol=1e-5)
+    assert_allclose(
+        scene.empty(obj, "top").matrix_world.translation, moved(obj.matrix_world, centre), atol=1e-5
+    )
     assert_allclose(scene.empty(obj, "top").matrix_world.to_scale(), 1, atol=1e-6)
 
 

@@ -157,7 +157,7 @@ def check_row_42_undo_while_the_job_runs():
     with window():
         bpy.ops.ed.undo()
     yield from until(lambda: session.work is None, 1.0)
-    assert all("Tube" != obj.name or at_rest(obj) for obj in bpy.data.objects if obj.type == "MESH")
+    assert all(obj.name != "Tube" or at_rest(obj) for obj in bpy.data.objects if obj.type == "MESH")
 
 
 def check_row_42_another_file_is_loaded_while_the_job_runs():
