@@ -66,10 +66,10 @@ def select_only(obj, vertex):
         return
     mesh = obj.data
     mesh.vertices.foreach_set("select", np.arange(len(mesh.vertices)) == vertex)
-    for name in (".select_edge", ".select_poly"):  # by name: 5.0.1 crashes where an edge is deselected in RNA
-        attribute = mesh.attributes.get(name)
-        if attribute is not None:
-            attribute.data.foreach_set("value", np.zeros(len(attribute.data), dtype=bool))
+    # Without the attribute none is selected; writing the selection of edges crashes 5.0.1.
+    for name in (".select_edge", ".select_poly"):
+        if name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[name])
     mesh.update()
 
 
