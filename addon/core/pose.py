@@ -88,11 +88,13 @@ class BoundPose:
         """One solve, at once: (n, 3) in solve space and the report; ``options`` of lissom.Pose.solve."""
         return self._note(transforms, self.pose.solve(transforms, warm_start=self._warm, **options))
 
-    def work(self, transforms):
+    def work(self, transforms, **options):
         """The same on a thread of its own, as Work; its result is that of ``solve``."""
 
         def steps():
-            return self._note(transforms, (yield self.pose.start(transforms, warm_start=self._warm)))
+            return self._note(
+                transforms, (yield self.pose.start(transforms, warm_start=self._warm, **options))
+            )
 
         return Work(steps())
 

@@ -1,13 +1,14 @@
 """The pose as a shape key."""
 
 import bpy
-from bpy.props import BoolProperty, FloatProperty, StringProperty
+from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
 from ..bridge import checks, meshes, poses, shape_keys
 from ..core import names, space
 from ..core.refused import Refused
 from ..properties.transfer import exists_property
 from .job import JobOperator, writable_mesh
+from .pose_bind import MAX_ITERATIONS
 from .pose_handles import OBJECT
 
 
@@ -28,6 +29,7 @@ class LISSOM_OT_pose_apply(JobOperator, bpy.types.Operator):
         min=0,
         max=1,
     )
+    max_iterations: IntProperty(**MAX_ITERATIONS)
     reset: BoolProperty(
         name="Reset Handles", description="Put the handles back where they were at Bind", default=True
     )
@@ -54,7 +56,7 @@ class LISSOM_OT_pose_apply(JobOperator, bpy.types.Operator):
                 raise Refused(f"'{self._name}' is the shape key that the pose builds on: choose another name")
             checks.require_unlocked([key])
         self._mesh = meshes.Snapshot.of(obj, poses.linear_part(obj))
-        return bound.work(poses.transforms(obj))
+        return bound.work(poses.transforms(obj), max_iterations=self.max_iterations)
 
     def finish(self, context, result):
         vertices, report = result

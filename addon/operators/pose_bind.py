@@ -1,7 +1,7 @@
 """Bind, update, reset and unbind a pose."""
 
 import bpy
-from bpy.props import EnumProperty, StringProperty
+from bpy.props import EnumProperty, IntProperty, StringProperty
 
 from .. import session
 from ..bridge import checks, empties, meshes, poses, shape_keys
@@ -12,6 +12,14 @@ from .job import JobOperator, allowed, answering, shown_object, writable_mesh
 from .pose_handles import OBJECT
 
 PREVIEW = "Lissom Pose"
+
+MAX_ITERATIONS = {
+    "name": "Iterations",
+    "description": "The most iterations to make, for methods that iterate",
+    "default": 200,
+    "min": 1,
+    "max": 100_000,
+}
 
 
 class LISSOM_OT_pose_bind(bpy.types.Operator):
@@ -73,6 +81,7 @@ class LISSOM_OT_pose_update(JobOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     object: StringProperty(**OBJECT)
+    max_iterations: IntProperty(**MAX_ITERATIONS)
 
     @classmethod
     def poll(cls, context):
@@ -85,7 +94,7 @@ class LISSOM_OT_pose_update(JobOperator, bpy.types.Operator):
         bound = poses.current(obj)
         poses.preview(obj)
         self._mesh = meshes.Snapshot.of(obj, poses.linear_part(obj))
-        return bound.work(poses.transforms(obj))
+        return bound.work(poses.transforms(obj), max_iterations=self.max_iterations)
 
     def finish(self, context, result):
         vertices, report = result
