@@ -1,26 +1,26 @@
-"""Takes docs/pictures/panel.png: the panels in a window of Blender, after expressions went to Suzanne.
+"""Sets the scene of docs/pictures/panel.png: the panels in a window, after expressions went to Suzanne.
 
     blender --command extension install-file -r user_default -e dist/lissom-<version>-<platform>.zip
-    blender -p 0 0 1600 1000 --python tools/panel_picture.py
+    Xvfb :9 -screen 0 1600x1000x24 &
+    DISPLAY=:9 blender --factory-startup -p 0 0 1600 1000 --python tools/panel_picture.py &
+    DISPLAY=:9 import -window root docs/pictures/panel.png      once it prints "ready"
 
-Blender opens, works, takes the picture of its window and closes.
+ImageMagick's import takes the picture: Blender's own screenshot is black on a display without graphics card.
 """
 
 import pathlib
 import sys
-import traceback
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-OUT = ROOT / "docs" / "pictures" / "panel.png"
-sys.path.insert(0, str(ROOT / "demo"))
+sys.path[:0] = [str(ROOT), str(ROOT / "demo")]
 
-import addon_utils
-import bpy
-import face as ict
-import scene
-import source
-import suzanne
-from mathutils import Euler
+import addon_utils  # noqa: E402
+import bpy  # noqa: E402
+import face as ict  # noqa: E402
+import scene  # noqa: E402
+import source  # noqa: E402
+import suzanne  # noqa: E402
+from mathutils import Euler  # noqa: E402
 
 MIX = source.SHOWN["smile"]
 SETTLE = 2.0  # seconds for Blender to draw
@@ -63,28 +63,22 @@ def arrange():
     yield SETTLE
 
 
-def take():
-    """All steps, with the seconds to wait after each."""
+def stage():
+    """All steps; yields the seconds to wait after each."""
     yield SETTLE
     transferred()
     yield from arrange()
-    OUT.parent.mkdir(parents=True, exist_ok=True)
-    with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
-        bpy.ops.screen.screenshot(filepath=str(OUT))
-    print(f"{OUT} taken")
+    print("ready", flush=True)
 
 
 def step():
     try:
         return next(steps)
     except StopIteration:
-        pass
-    except Exception:
-        traceback.print_exc()
-    bpy.context.preferences.view.use_save_prompt = False
-    bpy.ops.wm.quit_blender()
+        return None
 
 
+bpy.context.preferences.view.show_splash = False
 addon_utils.enable("bl_ext.user_default.lissom", default_set=False)
-steps = take()
+steps = stage()
 bpy.app.timers.register(step, first_interval=1.0)

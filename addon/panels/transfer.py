@@ -16,9 +16,6 @@ class LISSOM_UL_markers(bpy.types.UIList):
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
         row = layout.row(align=True)
         row.prop(item, "name", text="", emboss=False, icon="PMARKER_ACT")
-        row = row.row()
-        row.alignment = "RIGHT"
-        row.label(text=f"{item.source} \N{RIGHTWARDS ARROW} {item.target}")
         row.operator("lissom.marker_show", text="", icon="RESTRICT_SELECT_OFF", emboss=False).index = index
 
 
@@ -102,6 +99,11 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         side.operator("lissom.marker_remove", text="", icon="REMOVE")
         side.separator()
         side.menu("LISSOM_MT_markers", text="", icon="DOWNARROW_HLT")
+        if settings.active_marker < len(settings.markers):
+            active = settings.markers[settings.active_marker]
+            row = layout.row(align=True)
+            row.prop(active, "source", text="Source")
+            row.prop(active, "target", text="Target")
         if len(settings.markers) < 3:
             draw_lines(
                 layout,

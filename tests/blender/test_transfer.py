@@ -1,6 +1,7 @@
 """Transfer: markers, Fit, Transfer of keys."""
 
 import json
+import pathlib
 
 import bpy
 import lissom
@@ -18,7 +19,7 @@ SETTINGS = {
 
 
 def monkeys(levels=1, target_levels=1):
-    """Suzanne with keys, and Suzanne of other faces; with a marker at every 10th of the plain one's vertices."""
+    """Suzanne with keys, and Suzanne of other faces; a marker at every 10th of the plain one's vertices."""
     bpy.ops.mesh.primitive_monkey_add()
     plain = bpy.context.object
     places = scene.points(plain.data.vertices)[::10]
@@ -191,10 +192,10 @@ def test_a_fit_is_used_again_until_something_changes():
 
 
 def test_properties_alone_suffice(tmp_path):
-    source, target = monkeys()
+    _, target = monkeys()
     path = str(tmp_path / "markers.json")
     bpy.ops.lissom.marker_save(filepath=path)
-    text = open(path).read()
+    text = pathlib.Path(path).read_text()
     bpy.ops.lissom.transfer_keys()
     expected = deltas(target, "squash")
     settings = bpy.context.scene.lissom_transfer
@@ -226,7 +227,7 @@ def test_a_linked_source_may_be_read(tmp_path):
 
 
 def swapped(path, folder):
-    document = json.load(open(path))
+    document = json.loads(pathlib.Path(path).read_text())
     document["source"], document["target"] = document["target"], document["source"]
     for pair in document["pairs"]:
         pair["source"], pair["target"] = pair["target"], pair["source"]
@@ -391,7 +392,7 @@ def test_objects_that_are_missing_or_the_same():
 
 
 def test_keys_that_are_missing_or_named_twice():
-    source, target = monkeys()
+    monkeys()
     with scene.refused("'Source' has no shape key named 'frown'"):
         bpy.ops.lissom.transfer_keys(keys="squash\nfrown")
     for exists in ("UPDATE", "RENAME"):
@@ -407,7 +408,7 @@ def _swapped_text():
 
 
 def test_row_34_a_locked_key_edit_mode_and_a_basis_by_another_name():
-    source, target = monkeys()
+    _, target = monkeys()
     key = scene.add_key(target, "squash", scene.points(target.data.vertices))
     key.lock_shape = True
     with scene.refused("Shape key 'squash' is locked"):
@@ -454,7 +455,7 @@ def test_keys_are_ticked_and_unticked():
 
 
 def test_the_panels_button_says_what_is_missing():
-    source, _ = monkeys()
+    monkeys()
     settings = bpy.context.scene.lissom_transfer
     settings.which = "SELECTED"
     with bpy.context.temp_override(lissom_transfer=settings):
