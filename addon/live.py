@@ -14,6 +14,7 @@ from bpy.app.handlers import persistent
 
 from . import session
 from .bridge import poses
+from .bridge.screen import redraw_sidebars
 from .core.refused import Refused
 
 _due = set()  # names of mesh objects to solve
@@ -61,15 +62,8 @@ def _flush():
         if obj is None or not update(obj, max_iterations=ITERATIONS):
             _due.discard(name)
     _delay = min(0.5 * (time.perf_counter() - started), MAX_DELAY)
-    _redraw()
+    redraw_sidebars()
     return _delay if _due else None
-
-
-def _redraw():
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
 
 
 @persistent

@@ -7,6 +7,7 @@ import lissom
 
 from .. import session
 from ..bridge import checks
+from ..bridge.screen import redraw_sidebars
 from ..core.refused import Refused
 
 POLL_SECONDS = 0.05
@@ -125,16 +126,10 @@ class JobOperator:
     def _show(self, context, work):
         fraction, stage = work.progress
         context.workspace.status_text_set(f"Lissom: {stage}, {100 * fraction:.0f} %    |    ESC: cancel")
-        _redraw_sidebars(context)
+        redraw_sidebars()
 
     def _stop(self, context):
         session.work = None
         context.window_manager.event_timer_remove(self._timer)
         context.workspace.status_text_set(None)
-        _redraw_sidebars(context)
-
-
-def _redraw_sidebars(context):
-    for area in context.screen.areas:
-        if area.type == "VIEW_3D":
-            area.tag_redraw()
+        redraw_sidebars()

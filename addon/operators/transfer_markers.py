@@ -210,14 +210,16 @@ class LISSOM_OT_marker_save(ExportHelper, bpy.types.Operator):
 
     filename_ext = ".json"
     filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
+    source: StringProperty(**SOURCE)
+    target: StringProperty(**TARGET)
 
     @classmethod
     def poll(cls, context):
-        return _needs_pair(cls, context) and _needs_markers(cls, context)
+        return _needs_markers(cls, context)
 
     @answering
     def execute(self, context):
-        source, target = bridge_markers.pair_of_objects(context, "", "")
+        source, target = bridge_markers.pair_of_objects(context, self.source, self.target)
         ends = [(obj.name, len(obj.data.vertices)) for obj in (source, target)]
         pairs = bridge_markers.of_scene(context.scene)
         path = bpy.path.abspath(self.filepath)

@@ -24,13 +24,20 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
         keys = obj.data.shape_keys
         column = split_column(layout)
         if keys:
-            column.prop_search(settings, "start", keys, "key_blocks", text="From", icon="SHAPEKEY_DATA")
+            column.prop_search(
+                settings,
+                "start",
+                keys,
+                "key_blocks",
+                text="From" if settings.start else "From (Basis)",
+                icon="SHAPEKEY_DATA",
+            )
             column.prop_search(settings, "end", keys, "key_blocks", text="To", icon="SHAPEKEY_DATA")
         else:
             draw_lines(column, "INFO", "This mesh has no shape keys yet")
         column.prop(settings, "count")
         column.prop(settings, "rotation")
-        column.prop(settings, "slider")
+        column.prop(settings, "slider", placeholder=f"{settings.end} arc" if settings.end else "")
         row = layout.row()
         row.scale_y = 1.4
         bake = row.operator("lissom.inbetween_bake", icon="IPO_EASE_IN_OUT")

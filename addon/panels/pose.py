@@ -87,7 +87,14 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
     def _draw_setup(self, column, obj, settings):
         row = column.row(align=True)
         row.enabled = not settings.bound
-        row.prop_search(settings, "roi", obj, "vertex_groups", text="Region", icon="GROUP_VERTEX")
+        row.prop_search(
+            settings,
+            "roi",
+            obj,
+            "vertex_groups",
+            text="Region" if settings.roi else "Region (all)",
+            icon="GROUP_VERTEX",
+        )
         region = row.operator("lissom.pose_region_from_selection", text="", icon="ADD")
         region.object = obj.name
         column.separator()
