@@ -1,8 +1,23 @@
-//! The Python module `lissom`.
+//! The Python module `lissom`: check, release the interpreter, convert. No mathematics.
+
+mod arrays;
+mod errors;
+mod job;
+mod mesh;
+mod pose;
+
 use pyo3::prelude::*;
 
 /// Pose, transfer and interpolate triangle meshes.
+///
+/// Positions are float64 arrays of shape (n, 3) in the mesh's own units, indices are integer arrays
+/// counted from 0. Other float and integer arrays, in any memory layout, are converted.
 #[pymodule(name = "lissom")]
-fn lissom_py(_module: &Bound<'_, PyModule>) -> PyResult<()> {
-    Ok(())
+fn lissom_py(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    errors::register(module)?;
+    module.add_class::<job::PyJob>()?;
+    module.add_class::<mesh::PyMesh>()?;
+    pose::register(module)?;
+    module.add_function(wrap_pyfunction!(job::_panic, module)?)
 }

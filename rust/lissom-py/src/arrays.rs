@@ -1,0 +1,174 @@
+//! Array checks, in one place: every message names the argument.
+
+use lissom::{Error, Fault, Mat4, Vec3};
+use numpy::{PyArray, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+use crate::errors;
+
+/// numpy's letters for the kinds of element that are taken.
+#[derive(Clone, Copy)]
+enum Kind {
+    Float,
+    Index,
+}
+
+/// Converts to a contiguous array of the native element type.
+fn native<'py>(
+    name: &str,
+    value: &Bound<'py, PyAny>,
+    kind: Kind,
+) -> PyResult<(Vec<usize>, Bound<'py, PyUntypedArray>)> {
+    let py = value.py();
+    let numpy = py.import("numpy")?;
+    let array = numpy.call_method1("asarray", (value,)).map_err(|error| {
+        PyTypeError::new_err(format!("{name}: cannot be made an array ({})", error.value(py)))
+    })?;
+    let array = array.cast_into::<PyUntypedArray>()?;
+    let letter: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
+    let (taken, wanted, native) = match kind {
+        Kind::Float => ("fiu", "floating point numbers", "float64"),
+        Kind::Index => ("iu", "integers", "int64"),
+    };
+    // An empty list has no type of its own.
+    if !taken.contains(&letter) && array.len() > 0 {
+        let found = array.getattr("dtype")?;
+        return Err(PyTypeError::new_err(format!("{name}: expected {wanted}, got {found}")));
+    }
+    let options = PyDict::new(py);
+    options.set_item("order", "C")?;
+    options.set_item("copy", false)?;
+    let shape = array.shape().to_vec();
+    let array = array.call_method("astype", (native,), Some(&options))?;
+    Ok((shape, array.cast_into::<PyUntypedArray>()?))
+}
+
+/// `(-1, 3)` as `(n, 3)`.
+fn shown(shape: &[i64]) -> String {
+    let axes: Vec<String> = shape.iter().map(|&d| if d < 0 { "n".into() } else { d.to_string() }).collect();
+    if axes.len() == 1 { format!("({},)", axes[0]) } else { format!("({})", axes.join(", ")) }
+}
+
+/// Refuses a shape that is not the expected one, where -1 stands for any length.
+fn expect_shape(name: &str, shape: &[usize], expected: &[i64]) -> PyResult<()> {
+    let fits = |(&given, &wanted): (&usize, &i64)| usize::try_from(wanted).map_or(true, |w| w == given);
+    if shape.len() == expected.len() && shape.iter().zip(expected).all(fits) {
+        return Ok(());
+    }
+    let given: Vec<i64> = shape.iter().map(|&d| d as i64).collect();
+    let message = format!("{name}: expected shape {}, got {}", shown(expected), shown(&given));
+    Err(PyValueError::new_err(message))
+}
+
+fn floats(name: &str, value: &Bound<'_, PyAny>, expected: &[i64]) -> PyResult<(Vec<usize>, Vec<f64>)> {
+    let (shape, array) = native(name, value, Kind::Float)?;
+    expect_shape(name, &shape, expected)?;
+    let array = array.cast_into::<PyArrayDyn<f64>>()?;
+    Ok((shape, array.try_readonly()?.as_slice()?.to_vec()))
+}
+
+/// Indices as given; one that does not fit 32 bits is refused by the class that `invalid` makes.
+fn indices(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+    expected: &[i64],
+    invalid: fn(Fault) -> Error,
+) -> PyResult<Vec<u32>> {
+    let py = value.py();
+    let (shape, array) = native(name, value, Kind::Index)?;
+    if shape != [0] {
+        expect_shape(name, &shape, expected)?;
+    }
+    let array = array.cast_into::<PyArrayDyn<i64>>()?;
+    let array = array.try_readonly()?;
+    let values = array.as_slice()?;
+    let row = expected.iter().skip(1).product::<i64>().max(1) as usize;
+    let bad = values.iter().enumerate().filter(|(_, v)| u32::try_from(**v).is_err());
+    if let Some(fault) = Fault::at(name, "index negative or too large", bad.map(|(i, _)| i / row)) {
+        return Err(errors::to_python(py, invalid(fault)));
+    }
+    Ok(values.iter().map(|&v| v as u32).collect())
+}
+
+fn to_points(values: &[f64]) -> Vec<Vec3> {
+    values.chunks_exact(3).map(Vec3::from_slice).collect()
+}
+
+/// (n, 3) positions.
+pub fn points(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3>> {
+    Ok(to_points(&floats(name, value, &[-1, 3])?.1))
+}
+
+/// (k, n, 3) poses of n vertices; a single (n, 3) pose counts as one.
+pub fn poses(name: &str, value: &Bound<'_, PyAny>, vertices: usize) -> PyResult<Vec<Vec<Vec3>>> {
+    let n = vertices as i64;
+    let (_, values) = floats(name, value, &[-1, n, 3])?;
+    Ok(values.chunks_exact(3 * vertices.max(1)).map(to_points).collect())
+}
+
+/// (h, 4, 4) matrices, row by row as numpy has them.
+pub fn matrices(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Mat4>> {
+    let (_, values) = floats(name, value, &[-1, 4, 4])?;
+    Ok(values.chunks_exact(16).map(|m| Mat4::from_cols_slice(m).transpose()).collect())
+}
+
+/// (k,) numbers.
+pub fn numbers(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    Ok(floats(name, value, &[-1])?.1)
+}
+
+/// (m, 3) vertex indices.
+pub fn triangles(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
+    let values = indices(name, value, &[-1, 3], Error::InvalidMesh)?;
+    Ok(values.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect())
+}
+
+/// (k, 2) pairs of indices.
+pub fn pairs(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 2]>> {
+    let values = indices(name, value, &[-1, 2], Error::InvalidConstraint)?;
+    Ok(values.chunks_exact(2).map(|p| [p[0], p[1]]).collect())
+}
+
+/// (k,) vertex indices.
+pub fn vertex_list(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
+    indices(name, value, &[-1], Error::InvalidConstraint)
+}
+
+/// A sequence of (k,) vertex index arrays.
+pub fn vertex_lists(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<u32>>> {
+    let items = value.try_iter().map_err(|_| {
+        PyTypeError::new_err(format!("{name}: expected a list of 1-D index arrays, one per handle"))
+    })?;
+    items.enumerate().map(|(i, item)| vertex_list(&format!("{name}[{i}]"), &item?)).collect()
+}
+
+fn flat(points: &[Vec3]) -> impl Iterator<Item = f64> + '_ {
+    points.iter().flat_map(|p| p.to_array())
+}
+
+/// Positions as an (n, 3) float64 array.
+pub fn from_points(py: Python<'_>, points: &[Vec3]) -> PyResult<Py<PyAny>> {
+    let array = PyArray::from_iter(py, flat(points)).reshape([points.len(), 3])?;
+    Ok(array.into_any().unbind())
+}
+
+/// Poses as a (k, n, 3) float64 array.
+pub fn from_poses(py: Python<'_>, poses: &[Vec<Vec3>], vertices: usize) -> PyResult<Py<PyAny>> {
+    let values = poses.iter().flat_map(|p| flat(p));
+    let array = PyArray::from_iter(py, values).reshape([poses.len(), vertices, 3])?;
+    Ok(array.into_any().unbind())
+}
+
+/// Pairs as a (k, 2) int64 array.
+pub fn from_pairs(py: Python<'_>, pairs: &[[u32; 2]]) -> PyResult<Py<PyAny>> {
+    let values = pairs.iter().flatten().map(|&v| i64::from(v));
+    let array = PyArray::from_iter(py, values).reshape([pairs.len(), 2])?;
+    Ok(array.into_any().unbind())
+}
+
+/// Strings as a list.
+pub fn from_strings(py: Python<'_>, strings: &[String]) -> PyResult<Py<PyAny>> {
+    Ok(PyList::new(py, strings)?.into_any().unbind())
+}

@@ -1,0 +1,82 @@
+//! The core's errors as Python exceptions, exhaustively.
+
+use lissom::{Error, Fault};
+use pyo3::create_exception;
+use pyo3::exceptions::{PyException, PyValueError};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyType};
+
+create_exception!(lissom, BaseError, PyException, "Everything that lissom raises by itself.");
+create_exception!(lissom, InvalidMesh, BaseError, "The mesh cannot be worked with.");
+create_exception!(
+    lissom,
+    InvalidConstraint,
+    BaseError,
+    "Handles, markers, targets or a region contradict the mesh or each other."
+);
+create_exception!(lissom, SolveFailed, BaseError, "The linear algebra gave up, or the result overflowed.");
+create_exception!(lissom, Cancelled, BaseError, "The job was cancelled; nothing has changed.");
+create_exception!(lissom, InternalError, BaseError, "A bug in lissom: please report it with its message.");
+
+static INVALID_VALUE: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+
+/// `InvalidValue` is both a `lissom.Error` and a `ValueError`, which the macro cannot express.
+fn invalid_value(py: Python<'_>) -> PyResult<&Bound<'_, PyType>> {
+    let make = || {
+        let dict = PyDict::new(py);
+        dict.set_item("__module__", "lissom")?;
+        dict.set_item("__doc__", "An option or a number is out of its range.")?;
+        let bases = (py.get_type::<BaseError>(), py.get_type::<PyValueError>());
+        let made = py.get_type::<PyType>().call1(("InvalidValue", bases, dict))?;
+        Ok::<_, PyErr>(made.cast_into::<PyType>()?.unbind())
+    };
+    Ok(INVALID_VALUE.get_or_try_init(py, make)?.bind(py))
+}
+
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let py = module.py();
+    module.add("Error", py.get_type::<BaseError>())?;
+    module.add("InvalidMesh", py.get_type::<InvalidMesh>())?;
+    module.add("InvalidConstraint", py.get_type::<InvalidConstraint>())?;
+    module.add("InvalidValue", invalid_value(py)?)?;
+    module.add("SolveFailed", py.get_type::<SolveFailed>())?;
+    module.add("Cancelled", py.get_type::<Cancelled>())?;
+    module.add("InternalError", py.get_type::<InternalError>())
+}
+
+/// The exception for an error of the core.
+pub fn to_python(py: Python<'_>, error: Error) -> PyErr {
+    let message = error.to_string();
+    match error {
+        Error::InvalidMesh(fault) => located(py, InvalidMesh::new_err(message), &fault),
+        Error::InvalidConstraint(fault) => located(py, InvalidConstraint::new_err(message), &fault),
+        Error::InvalidValue(fault) => match invalid_value(py) {
+            Ok(class) => located(py, PyErr::from_type(class.clone(), message), &fault),
+            Err(error) => error,
+        },
+        Error::SolveFailed(_) => SolveFailed::new_err(message),
+        Error::Cancelled => Cancelled::new_err(message),
+    }
+}
+
+/// Adds the attributes `argument`, `indices` (the first offenders) and `count`.
+fn located(py: Python<'_>, error: PyErr, fault: &Fault) -> PyErr {
+    let value = error.value(py);
+    let set = || {
+        value.setattr("argument", &fault.argument)?;
+        value.setattr("indices", &fault.indices)?;
+        value.setattr("count", fault.count)
+    };
+    match set() {
+        Ok(()) => error,
+        Err(other) => other,
+    }
+}
+
+/// The exception for a caught panic.
+pub fn from_panic(payload: &(dyn std::any::Any + Send)) -> PyErr {
+    let text = payload.downcast_ref::<&str>().map(ToString::to_string);
+    let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
+    InternalError::new_err(format!("a bug in lissom: {}", text.unwrap_or_else(|| "unknown".into())))
+}

@@ -1,0 +1,172 @@
+//! Work on threads owned by Rust, which Python watches.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use lissom::{Error, Job};
+use pyo3::prelude::*;
+
+use crate::errors;
+
+/// How often a waiting call looks at signals (Ctrl-C) and at cancellation.
+const GLANCE: Duration = Duration::from_millis(20);
+
+/// How long a cancelled job may take to stop by itself. One inside a factorization cannot, so it is
+/// left behind: its thread ends when the factorization does, and its result is dropped.
+const PATIENCE: Duration = Duration::from_millis(100);
+
+/// Turns a result into a Python object, once the interpreter is held again.
+type Convert = Box<dyn FnOnce(Python<'_>) -> PyResult<Py<PyAny>> + Send>;
+
+enum Outcome {
+    Done(Convert),
+    Failed(Error),
+    Panicked(Box<dyn std::any::Any + Send>),
+}
+
+enum State {
+    Running(Receiver<Outcome>),
+    Finished(PyResult<Py<PyAny>>),
+}
+
+/// Work that goes on in the background.
+///
+/// `progress` is (fraction in 0-1, name of the stage); `result()` waits and returns what the blocking
+/// call would, or raises what it would; `cancel()` makes it raise `lissom.Cancelled`.
+#[pyclass(name = "Job", module = "lissom", frozen)]
+pub struct PyJob {
+    job: Job,
+    state: Mutex<State>,
+}
+
+impl PyJob {
+    /// Starts `work` on a thread of its own; `convert` makes a Python object of what it returns.
+    pub fn start<T: Send + 'static>(
+        work: impl FnOnce(&Job) -> lissom::Result<T> + Send + 'static,
+        convert: impl FnOnce(Python<'_>, T) -> PyResult<Py<PyAny>> + Send + 'static,
+    ) -> PyResult<Self> {
+        let job = Job::default();
+        let (sender, receiver) = channel();
+        let shared = job.clone();
+        let run = move || {
+            let outcome = match catch_unwind(AssertUnwindSafe(|| work(&shared))) {
+                Ok(Ok(value)) => Outcome::Done(Box::new(move |py: Python<'_>| convert(py, value))),
+                Ok(Err(error)) => Outcome::Failed(error),
+                Err(payload) => Outcome::Panicked(payload),
+            };
+            // Nobody listens any more where the job was cancelled and left behind.
+            let _ = sender.send(outcome);
+        };
+        std::thread::Builder::new().name("lissom".into()).spawn(run)?;
+        Ok(Self { job, state: Mutex::new(State::Running(receiver)) })
+    }
+
+    /// Waits up to `time` with the interpreter released; whether the job has finished.
+    fn wait(&self, py: Python<'_>, time: Duration) -> bool {
+        // The lock is only ever taken without the interpreter, or two waiting threads would hold one
+        // each and wait for the other.
+        let outcome = py.detach(|| {
+            let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+            match &*state {
+                State::Finished(_) => None,
+                State::Running(receiver) => Some(receiver.recv_timeout(time)),
+            }
+        });
+        let result = match outcome {
+            None => return true,
+            Some(Err(RecvTimeoutError::Timeout)) => return false,
+            // Another thread that waits has taken the outcome and is about to store it.
+            Some(Err(RecvTimeoutError::Disconnected)) => {
+                py.detach(|| std::thread::sleep(Duration::from_millis(1)));
+                return false;
+            }
+            Some(Ok(_)) if self.job.is_cancelled() => Err(errors::to_python(py, Error::Cancelled)),
+            Some(Ok(Outcome::Done(convert))) => convert(py),
+            Some(Ok(Outcome::Failed(error))) => Err(errors::to_python(py, error)),
+            Some(Ok(Outcome::Panicked(payload))) => Err(errors::from_panic(&*payload)),
+        };
+        self.finish(py, result);
+        true
+    }
+
+    fn finish(&self, py: Python<'_>, result: PyResult<Py<PyAny>>) {
+        py.detach(|| {
+            *self.state.lock().unwrap_or_else(PoisonError::into_inner) = State::Finished(result);
+        });
+    }
+}
+
+#[pymethods]
+impl PyJob {
+    /// (fraction in 0-1, name of the stage).
+    #[getter]
+    fn progress(&self) -> (f64, &'static str) {
+        self.job.progress()
+    }
+
+    /// Whether `result()` returns at once.
+    #[getter]
+    fn done(&self, py: Python<'_>) -> bool {
+        self.wait(py, Duration::ZERO)
+    }
+
+    /// Asks the job to stop; `result()` then raises `lissom.Cancelled` within 0.2 s.
+    fn cancel(&self) {
+        self.job.cancel();
+    }
+
+    /// Waits for the job and returns its result, or raises its error. Ctrl-C cancels it.
+    fn result(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let mut cancelled: Option<Instant> = None;
+        while !self.wait(py, GLANCE) {
+            if let Err(interrupt) = py.check_signals() {
+                self.job.cancel();
+                return Err(interrupt);
+            }
+            if self.job.is_cancelled() && cancelled.get_or_insert_with(Instant::now).elapsed() > PATIENCE {
+                self.finish(py, Err(errors::to_python(py, Error::Cancelled)));
+            }
+        }
+        let copy = |result: &PyResult<Py<PyAny>>| match result {
+            Ok(value) => Ok(value.clone_ref(py)),
+            Err(error) => Err(error.clone_ref(py)),
+        };
+        match &*self.state.lock().unwrap_or_else(PoisonError::into_inner) {
+            State::Finished(result) => copy(result),
+            State::Running(_) => Err(errors::InternalError::new_err("a finished job went on")),
+        }
+    }
+}
+
+/// Runs `work` as a job and waits for it: the interpreter is released, Ctrl-C gets through, and no
+/// panic does.
+pub fn run<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce(&Job) -> lissom::Result<T> + Send + 'static,
+    convert: impl FnOnce(Python<'_>, T) -> PyResult<Py<PyAny>> + Send + 'static,
+) -> PyResult<Py<PyAny>> {
+    PyJob::start(work, convert)?.result(py)
+}
+
+/// Like [`run`], for a value that stays in Rust.
+pub fn run_value<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce(&Job) -> lissom::Result<T> + Send + 'static,
+) -> PyResult<T> {
+    let slot = std::sync::Arc::new(Mutex::new(None));
+    let filled = slot.clone();
+    run(py, work, move |py, value| {
+        *filled.lock().unwrap_or_else(PoisonError::into_inner) = Some(value);
+        Ok(py.None())
+    })?;
+    let value = slot.lock().unwrap_or_else(PoisonError::into_inner).take();
+    value.ok_or_else(|| errors::InternalError::new_err("a job returned nothing"))
+}
+
+/// Panics inside the core, to show that the caller survives it.
+#[pyfunction]
+pub fn _panic(py: Python<'_>) -> PyResult<Py<PyAny>> {
+    run(py, |_| -> lissom::Result<()> { panic!("asked to") }, |py, ()| Ok(py.None()))
+}

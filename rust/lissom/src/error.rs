@@ -1,0 +1,77 @@
+//! Typed errors that carry the argument, the first offending indices and their number.
+
+use std::fmt;
+
+/// How many offending indices a message shows.
+const SHOWN: usize = 5;
+
+/// What is wrong with an argument.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// Name of the argument, as the caller knows it.
+    pub argument: String,
+    /// What is wrong, and what to do about it.
+    pub problem: String,
+    /// The first offending indices; empty where the fault is of the whole.
+    pub indices: Vec<usize>,
+    /// How many offenders there are in all.
+    pub count: usize,
+}
+
+impl Fault {
+    /// A fault of the whole argument.
+    pub fn new(argument: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self { argument: argument.into(), problem: problem.into(), indices: Vec::new(), count: 0 }
+    }
+
+    /// A fault of single elements; `None` where there are no offenders.
+    pub fn at(
+        argument: impl Into<String>,
+        problem: impl Into<String>,
+        offenders: impl IntoIterator<Item = usize>,
+    ) -> Option<Self> {
+        let mut fault = Self::new(argument, problem);
+        for index in offenders {
+            if fault.count < SHOWN {
+                fault.indices.push(index);
+            }
+            fault.count += 1;
+        }
+        (fault.count > 0).then_some(fault)
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}: {}", self.argument, self.problem)?;
+        if self.count > 0 {
+            let shown: Vec<String> = self.indices.iter().map(usize::to_string).collect();
+            let more = if self.count > self.indices.len() { ", ..." } else { "" };
+            write!(out, " (at {}{more}; {} in all)", shown.join(", "), self.count)?;
+        }
+        Ok(())
+    }
+}
+
+/// Everything that can go wrong.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum Error {
+    /// The mesh itself cannot be worked with.
+    #[error("{0}")]
+    InvalidMesh(Fault),
+    /// Handles, markers, targets or a region contradict the mesh or each other.
+    #[error("{0}")]
+    InvalidConstraint(Fault),
+    /// An option or a number is out of its range.
+    #[error("{0}")]
+    InvalidValue(Fault),
+    /// The linear algebra gave up, or the result overflowed.
+    #[error("{0}")]
+    SolveFailed(String),
+    /// The caller cancelled the job.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// Result of everything that can fail.
+pub type Result<T> = std::result::Result<T, Error>;

@@ -1,0 +1,49 @@
+//! Progress and cancellation of long work.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::{Error, Result};
+
+/// A handle shared by the thread that works and the one that watches.
+///
+/// The worker calls [`Job::report`] and, at least every 50 ms of work, [`Job::check`]; the watcher
+/// reads [`Job::progress`] and may [`Job::cancel`].
+#[derive(Debug, Clone, Default)]
+pub struct Job(Arc<State>);
+
+#[derive(Debug, Default)]
+struct State {
+    cancelled: AtomicBool,
+    fraction: AtomicU64,
+    stage: Mutex<&'static str>,
+}
+
+impl Job {
+    /// Says how far the work is: a fraction in 0-1 and the name of the stage.
+    pub fn report(&self, fraction: f64, stage: &'static str) {
+        self.0.fraction.store(fraction.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
+        *self.0.stage.lock().unwrap_or_else(PoisonError::into_inner) = stage;
+    }
+
+    /// The last report.
+    pub fn progress(&self) -> (f64, &'static str) {
+        let stage = *self.0.stage.lock().unwrap_or_else(PoisonError::into_inner);
+        (f64::from_bits(self.0.fraction.load(Ordering::Relaxed)), stage)
+    }
+
+    /// Asks the worker to stop.
+    pub fn cancel(&self) {
+        self.0.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the worker has been asked to stop.
+    pub fn is_cancelled(&self) -> bool {
+        self.0.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// [`Error::Cancelled`] once the watcher has asked to stop.
+    pub fn check(&self) -> Result<()> {
+        if self.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
+    }
+}

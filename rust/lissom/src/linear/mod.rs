@@ -1,0 +1,17 @@
+//! Sparse symmetric systems: constraints, factorization, reuse.
+//!
+//! [`SymmetricMatrix`] -> [`Symbolic`] (the order of elimination, reusable for every matrix of the
+//! same pattern) -> [`Factor`] -> solve for any number of right-hand sides.
+//! [`ConstrainedSystem`] puts hard and soft constraints around it.
+
+mod columns;
+mod constraints;
+mod factor;
+mod matrix;
+mod system;
+
+pub use columns::Columns;
+pub use constraints::Constraints;
+pub use factor::{Factor, Symbolic};
+pub use matrix::SymmetricMatrix;
+pub use system::ConstrainedSystem;

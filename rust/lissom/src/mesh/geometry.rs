@@ -1,0 +1,149 @@
+//! Units, areas, normals and cotangents.
+
+use rayon::prelude::*;
+
+use crate::{Error, Fault, Result, Vec3};
+
+/// Smallest excess `l_i + l_j - l_k` of a triangle, relative to its longest edge. Flatter ones are
+/// mollified to it (Sharp & Crane 2020, A Laplacian for Nonmanifold Triangle Meshes, section 4.5);
+/// ours acts on each triangle by itself, since only its own cotangents are asked for.
+const MOLLIFY: f64 = 1e-5;
+
+/// The map between a mesh's own units and unit coordinates: box centred at 0, diagonal 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UnitFrame {
+    /// Centre of the bounding box, in the mesh's own units.
+    pub center: Vec3,
+    /// Diagonal of the bounding box, in the mesh's own units.
+    pub scale: f64,
+}
+
+impl UnitFrame {
+    pub(super) fn of(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<Self> {
+        let used = triangles.iter().flatten().map(|&i| vertices[i as usize]);
+        let (low, high) =
+            used.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+        let extent = high * 0.5 - low * 0.5;
+        let largest = extent.max_element();
+        let scale = (extent / largest).length() * largest * 2.0;
+        if largest == 0.0 {
+            return Err(Error::InvalidMesh(Fault::new("vertices", "all points coincide")));
+        }
+        if !scale.is_finite() || !(1.0 / scale).is_finite() {
+            return Err(Error::InvalidMesh(Fault::new(
+                "vertices",
+                "the size of the mesh is beyond the range of floating point numbers",
+            )));
+        }
+        Ok(Self { center: low * 0.5 + high * 0.5, scale })
+    }
+
+    /// A point, from the mesh's own units to unit coordinates.
+    pub fn to_unit(self, point: Vec3) -> Vec3 {
+        (point - self.center) / self.scale
+    }
+
+    /// A point, from unit coordinates to the mesh's own units.
+    pub fn from_unit(self, point: Vec3) -> Vec3 {
+        point * self.scale + self.center
+    }
+}
+
+#[derive(Debug)]
+pub(super) struct TriangleGeometry {
+    pub areas: Vec<f64>,
+    pub normals: Vec<Vec3>,
+    pub half_cotangents: Vec<[f64; 3]>,
+    pub mollified: Vec<bool>,
+}
+
+impl TriangleGeometry {
+    pub fn of(rest: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+        let (half_cotangents, (normals, (areas, mollified))) = triangles
+            .par_iter()
+            .map(|t| {
+                let corners = t.map(|i| rest[i as usize]);
+                let (weights, mollified) = half_cotangents(corners);
+                let (normal, area) = normal_and_area(corners);
+                (weights, (normal, (area, mollified)))
+            })
+            .unzip();
+        Self { areas, normals, half_cotangents, mollified }
+    }
+}
+
+/// Unit normal and area of a triangle.
+pub(crate) fn normal_and_area([a, b, c]: [Vec3; 3]) -> (Vec3, f64) {
+    let cross = (b - a).cross(c - a);
+    let length = cross.length();
+    let edges = [c - b, a - c, b - a];
+    let longest = edges.into_iter().max_by(|x, y| x.length().total_cmp(&y.length())).unwrap_or(Vec3::X);
+    if length > 1e-14 * longest.length_squared() && length > f64::MIN_POSITIVE {
+        (cross / length, 0.5 * length)
+    } else {
+        (longest.try_normalize().unwrap_or(Vec3::X).any_orthonormal_vector(), 0.5 * length)
+    }
+}
+
+/// Half the cotangent at each corner, from edge lengths, and whether they had to be mollified.
+fn half_cotangents([a, b, c]: [Vec3; 3]) -> ([f64; 3], bool) {
+    let mut l = [(c - b).length(), (a - c).length(), (b - a).length()];
+    let longest = l[0].max(l[1]).max(l[2]);
+    if longest == 0.0 {
+        // A point: any shape will do, the equilateral one is the mildest.
+        return ([0.5 / 3f64.sqrt(); 3], true);
+    }
+    let least_excess = (l[0] + l[1] + l[2]) - 2.0 * longest;
+    let lift = (MOLLIFY * longest - least_excess).max(0.0);
+    l = l.map(|x| x + lift);
+    // Heron's formula in Kahan's order, stable for needles.
+    let mut sorted = l;
+    sorted.sort_by(|x, y| y.total_cmp(x));
+    let [x, y, z] = sorted;
+    let product = (x + (y + z)) * (z - (x - y)) * (z + (x - y)) * (x + (y - z));
+    let area4 = product.max(0.0).sqrt();
+    let squares = l.map(|x| x * x);
+    let half = |i: usize| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        0.5 * (squares[j] + squares[k] - squares[i]) / area4
+    };
+    ([half(0), half(1), half(2)], lift > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cotangents_of_a_right_isosceles_triangle() {
+        let (weights, mollified) = half_cotangents([Vec3::ZERO, Vec3::X, Vec3::Y]);
+        assert!(!mollified);
+        for (found, expected) in weights.into_iter().zip([0.0, 0.5, 0.5]) {
+            assert!((found - expected).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn flat_triangles_get_finite_weights_that_are_never_negative_together() {
+        for c in [Vec3::new(0.5, 0.0, 0.0), Vec3::X, Vec3::ZERO, Vec3::new(0.3, 1e-12, 0.0)] {
+            let (w, mollified) = half_cotangents([Vec3::ZERO, Vec3::X, c]);
+            assert!(mollified);
+            assert!(w.iter().all(|x| x.is_finite()));
+            // Positive semidefinite: both invariants of the 3 x 3 element matrix.
+            assert!(w[0] + w[1] + w[2] >= 0.0);
+            assert!(w[0] * w[1] + w[1] * w[2] + w[2] * w[0] >= 0.0);
+        }
+    }
+
+    #[test]
+    fn frames_keep_huge_and_tiny_meshes_in_range() {
+        for scale in [1e-300, 1e-6, 1.0, 1e20, 1e307] {
+            let points = [Vec3::ZERO, Vec3::X * scale, Vec3::Y * scale];
+            let frame = UnitFrame::of(&points, &[[0, 1, 2]]).unwrap();
+            let unit = points.map(|p| frame.to_unit(p));
+            assert!((unit[1].distance(unit[2]) - 1.0).abs() < 1e-12);
+            let back = (frame.from_unit(unit[1]) - points[1]) / scale;
+            assert!(back.length() <= 1e-12);
+        }
+    }
+}

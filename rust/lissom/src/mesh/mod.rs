@@ -1,0 +1,147 @@
+//! A triangle mesh, validated once; everything else may rely on it.
+
+mod adjacency;
+mod components;
+pub(crate) mod geometry;
+mod validate;
+
+pub use adjacency::{Adjacency, Corner, Side};
+pub use components::Components;
+pub use geometry::UnitFrame;
+
+use crate::{Result, Vec3};
+use geometry::TriangleGeometry;
+
+/// A validated triangle mesh with its adjacency and geometry.
+///
+/// Immutable and cheap to share behind an `Arc`.
+#[derive(Debug)]
+pub struct Mesh {
+    vertices: Vec<Vec3>,
+    frame: UnitFrame,
+    rest: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    triangle_ids: Vec<u32>,
+    input_triangles: usize,
+    adjacency: Adjacency,
+    components: Components,
+    geometry: TriangleGeometry,
+    warnings: Vec<String>,
+}
+
+impl Mesh {
+    /// Checks and prepares a mesh of `vertices` (any units) and `triangles` (vertex indices, counted
+    /// from 0).
+    ///
+    /// Triangles that repeat a vertex are left out, slivers are mollified; [`Mesh::warnings`] tells.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Error::InvalidMesh`] for no vertices or triangles, indices out of range, values that
+    /// are not finite, and points that are all coincident or collinear.
+    pub fn new(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self> {
+        validate::numbers(&vertices, &triangles)?;
+        let mut warnings = Vec::new();
+        let input_triangles = triangles.len();
+        let (triangles, triangle_ids) = validate::drop_repeating(triangles, &mut warnings)?;
+        let frame = UnitFrame::of(&vertices, &triangles)?;
+        let rest: Vec<Vec3> = vertices.iter().map(|&v| frame.to_unit(v)).collect();
+        validate::spread(&rest, &triangles)?;
+        let adjacency = Adjacency::of(vertices.len(), &triangles);
+        let components = Components::of(vertices.len(), &triangles);
+        let geometry = TriangleGeometry::of(&rest, &triangles);
+        validate::doubts(&adjacency, &triangles, &triangle_ids, &geometry, &mut warnings);
+        Ok(Self {
+            vertices,
+            frame,
+            rest,
+            triangles,
+            triangle_ids,
+            input_triangles,
+            adjacency,
+            components,
+            geometry,
+            warnings,
+        })
+    }
+
+    /// The part of a mesh that some of its triangles make up, in the unit coordinates of the whole.
+    ///
+    /// `whole` lists its vertices by their index in the whole, `triangles` indexes into `whole`.
+    pub(crate) fn part(&self, whole: &[u32], triangles: Vec<[u32; 3]>) -> Self {
+        let rest: Vec<Vec3> = whole.iter().map(|&v| self.rest[v as usize]).collect();
+        Self {
+            vertices: whole.iter().map(|&v| self.vertices[v as usize]).collect(),
+            frame: self.frame,
+            triangle_ids: (0..triangles.len() as u32).collect(),
+            input_triangles: triangles.len(),
+            adjacency: Adjacency::of(whole.len(), &triangles),
+            components: Components::of(whole.len(), &triangles),
+            geometry: TriangleGeometry::of(&rest, &triangles),
+            rest,
+            triangles,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Positions as given, in the mesh's own units.
+    pub fn vertices(&self) -> &[Vec3] {
+        &self.vertices
+    }
+
+    /// Positions in unit coordinates.
+    pub fn rest(&self) -> &[Vec3] {
+        &self.rest
+    }
+
+    /// The map between the mesh's own units and unit coordinates.
+    pub fn frame(&self) -> UnitFrame {
+        self.frame
+    }
+
+    /// The triangles in use: those that do not repeat a vertex.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// For each triangle in use, its index in the input.
+    pub fn triangle_ids(&self) -> &[u32] {
+        &self.triangle_ids
+    }
+
+    /// Number of triangles in the input, those left out included.
+    pub fn input_triangles(&self) -> usize {
+        self.input_triangles
+    }
+
+    /// Which triangles meet at each vertex and across each edge.
+    pub fn adjacency(&self) -> &Adjacency {
+        &self.adjacency
+    }
+
+    /// Connected components.
+    pub fn components(&self) -> &Components {
+        &self.components
+    }
+
+    /// Area of each triangle in unit coordinates.
+    pub fn areas(&self) -> &[f64] {
+        &self.geometry.areas
+    }
+
+    /// Unit normal of each triangle; some direction across its longest edge where the area is zero.
+    pub fn normals(&self) -> &[Vec3] {
+        &self.geometry.normals
+    }
+
+    /// Half the cotangent at each corner, which weighs the edge opposite to it; from mollified edge
+    /// lengths, so finite even for triangles without area.
+    pub fn half_cotangents(&self) -> &[[f64; 3]] {
+        &self.geometry.half_cotangents
+    }
+
+    /// What was mended or is doubtful.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+}

@@ -1,0 +1,124 @@
+//! What is refused, what is mended, and what is only said.
+
+use super::adjacency::Adjacency;
+use super::geometry::TriangleGeometry;
+use crate::{Error, Fault, Result, Vec3};
+
+/// Points are collinear when none lies further than this fraction of the diagonal from a line.
+const COLLINEAR: f64 = 1e-12;
+
+pub(super) fn numbers(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<()> {
+    let whole = |argument, problem: &str| Err(Error::InvalidMesh(Fault::new(argument, problem)));
+    if vertices.is_empty() {
+        return whole("vertices", "the mesh has no vertices");
+    }
+    if triangles.is_empty() {
+        return whole("triangles", "the mesh has no faces");
+    }
+    if u32::try_from(3 * triangles.len().max(vertices.len())).is_err() {
+        return whole("triangles", "more vertices or triangles than 32-bit indices can count");
+    }
+    let bad = vertices.iter().enumerate().filter(|(_, v)| !v.is_finite()).map(|(i, _)| i);
+    if let Some(fault) = Fault::at("vertices", "not finite", bad) {
+        return Err(Error::InvalidMesh(fault));
+    }
+    let n = vertices.len() as u32;
+    let bad = triangles.iter().enumerate().filter(|(_, t)| t.iter().any(|&v| v >= n)).map(|(t, _)| t);
+    let problem = format!("vertex index out of range, the mesh has {n} vertices");
+    match Fault::at("triangles", problem, bad) {
+        Some(fault) => Err(Error::InvalidMesh(fault)),
+        None => Ok(()),
+    }
+}
+
+pub(super) fn drop_repeating(
+    triangles: Vec<[u32; 3]>,
+    warnings: &mut Vec<String>,
+) -> Result<(Vec<[u32; 3]>, Vec<u32>)> {
+    let repeats = |&[a, b, c]: &[u32; 3]| a == b || b == c || c == a;
+    let dropped = triangles.iter().enumerate().filter(|(_, t)| repeats(t)).map(|(t, _)| t);
+    if let Some(mut fault) = Fault::at("triangles", "left out, they repeat a vertex", dropped) {
+        if fault.count == triangles.len() {
+            fault.problem = "every face repeats a vertex".into();
+            return Err(Error::InvalidMesh(fault));
+        }
+        warnings.push(fault.to_string());
+    }
+    Ok((0u32..).zip(triangles).filter(|(_, t)| !repeats(t)).map(|(id, t)| (t, id)).unzip())
+}
+
+/// Refuses points that are all on one line (in unit coordinates, where they cannot all coincide).
+pub(super) fn spread(rest: &[Vec3], triangles: &[[u32; 3]]) -> Result<()> {
+    let used = || triangles.iter().flatten().map(|&v| rest[v as usize]);
+    let origin = rest[triangles[0][0] as usize];
+    let far = used().max_by(|a, b| a.distance(origin).total_cmp(&b.distance(origin))).unwrap_or(origin);
+    let axis = (far - origin).normalize_or_zero();
+    if used().all(|p| (p - origin).reject_from_normalized(axis).length() <= COLLINEAR) {
+        return Err(Error::InvalidMesh(Fault::new("vertices", "all points lie on one line")));
+    }
+    Ok(())
+}
+
+/// Says what can be worked with but is worth a look.
+pub(super) fn doubts(
+    adjacency: &Adjacency,
+    triangles: &[[u32; 3]],
+    triangle_ids: &[u32],
+    geometry: &TriangleGeometry,
+    warnings: &mut Vec<String>,
+) {
+    let mut say = |argument: &str, problem: &str, offenders: &mut dyn Iterator<Item = usize>| {
+        warnings.extend(Fault::at(argument, problem, offenders).map(|fault| fault.to_string()));
+    };
+
+    let flat = geometry.mollified.iter().zip(triangle_ids).filter(|(flat, _)| **flat);
+    let problem = "slivers or without area, mollified";
+    say("triangles", problem, &mut flat.map(|(_, &id)| id as usize));
+
+    let mut sorted: Vec<([u32; 3], u32)> = triangles
+        .iter()
+        .zip(triangle_ids)
+        .map(|(t, &id)| {
+            let mut key = *t;
+            key.sort_unstable();
+            (key, id)
+        })
+        .collect();
+    sorted.sort_unstable();
+    let again = sorted.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| pair[1].1 as usize);
+    say("triangles", "the same three vertices again", &mut { again });
+
+    let vertices = adjacency.vertex_count();
+    let lonely = (0..vertices).filter(|&v| adjacency.corners_of(v).is_empty());
+    say("vertices", "in no face, kept at rest", &mut { lonely });
+
+    let edges = 0..adjacency.edges().len();
+    let crowded = edges.clone().filter(|&e| adjacency.sides_of(e).len() > 2);
+    let ends = |e: usize| adjacency.edges()[e][0] as usize;
+    say("vertices", "on an edge with more than two faces", &mut crowded.map(ends));
+
+    let clash = edges.filter(|&e| matches!(adjacency.sides_of(e), [a, b] if a.ascending == b.ascending));
+    let problem = "on an edge whose two faces are wound against each other";
+    say("vertices", problem, &mut clash.map(ends));
+
+    let bow_ties = (0..vertices).filter(|&v| fans(adjacency, triangles, v) > 1);
+    say("vertices", "joins separate fans of faces (bow-tie)", &mut { bow_ties });
+}
+
+/// Number of fans: groups of triangles at a vertex that hang together by edges at that vertex.
+fn fans(adjacency: &Adjacency, triangles: &[[u32; 3]], vertex: usize) -> usize {
+    let spokes: Vec<[u32; 2]> = adjacency
+        .corners_of(vertex)
+        .iter()
+        .map(|c| {
+            let t = triangles[c.triangle as usize];
+            let corner = usize::from(c.corner);
+            [t[(corner + 1) % 3], t[(corner + 2) % 3]]
+        })
+        .collect();
+    let mut ring: Vec<u32> = spokes.iter().flatten().copied().collect();
+    ring.sort_unstable();
+    ring.dedup();
+    let local = spokes.iter().map(|s| s.map(|v| ring.binary_search(&v).unwrap_or_default() as u32));
+    super::components::roots(ring.len(), local.map(|s| [s[0], s[1]])).1
+}

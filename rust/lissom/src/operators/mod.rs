@@ -1,0 +1,37 @@
+//! Discrete differential operators on a triangle mesh, one a file.
+//!
+//! | file | operator | |
+//! |---|---|---|
+//! | [`gradient`] | `G`: positions to deformation gradients | Sumner & Popović 2004 |
+//! | [`divergence`] | `-G^T M`: targets to right-hand sides | Botsch et al. 2006 |
+//! | [`cotangent`] | `L = G^T M G`, positive semidefinite | Pinkall & Polthier 1993 |
+//! | [`graph`] | the uniform Laplacian of the edges | Taubin 1995 |
+//! | [`mass`] | lumped vertex areas | Meyer et al. 2003 |
+
+pub mod cotangent;
+pub mod divergence;
+pub mod gradient;
+pub mod graph;
+pub mod mass;
+
+use rayon::prelude::*;
+
+use crate::{Mesh, Vec3};
+
+/// `g_tc = area_t grad phi_c` of every corner: the gradient of the corner's hat function times the
+/// triangle's area, in unit coordinates.
+///
+/// Written with the (mollified) cotangents, `g_i = w_ij (v_i - v_j) + w_ik (v_i - v_k)`, it is
+/// defined for triangles without area, and the rest positions have the gradient that they ought to.
+pub fn hat_gradients(mesh: &Mesh) -> Vec<[Vec3; 3]> {
+    let (rest, weights) = (mesh.rest(), mesh.half_cotangents());
+    mesh.triangles()
+        .par_iter()
+        .zip(weights)
+        .map(|(t, w)| {
+            let [a, b, c] = t.map(|v| rest[v as usize]);
+            let (bc, ca, ab) = ((c - b) * w[0], (a - c) * w[1], (b - a) * w[2]);
+            [ca - ab, ab - bc, bc - ca]
+        })
+        .collect()
+}

@@ -1,0 +1,234 @@
+//! Rotations: polar decomposition, logarithm, and the branches of the logarithm.
+//!
+//! The nearest rotation to `M` maximises `tr(R^T M)` over rotations. For `M = U diag(s) V^T` with
+//! descending `s` it is `R = U diag(1, 1, det(U V^T)) V^T` (Kabsch 1976; Umeyama 1991), which exists
+//! for reflections and for matrices of any rank. Where `det M` is safely positive, Newton's
+//! iteration `X <- (g X + (g X)^-T) / 2` (Higham 1986) finds the same rotation sooner.
+
+use std::f64::consts::TAU;
+
+use crate::{Mat3, Vec3};
+
+/// Smallest `det M / |M|_F^3` for which Newton's iteration is used; its largest value, for a
+/// rotation, is `3^(-3/2) = 0.19`. Below, the iteration is slow or leads to a reflection.
+const NEWTON_DETERMINANT: f64 = 1e-3;
+
+/// Singular values below this fraction of the largest count as zero.
+const RANK_TOLERANCE: f64 = 1e-14;
+
+/// The rotation nearest to `m` in the Frobenius norm; always of determinant +1.
+///
+/// The zero matrix, and any matrix that is not finite, gives the identity. Where several rotations
+/// are equally near (rank one, or a tie under reflection), one of them.
+pub fn nearest_rotation(m: Mat3) -> Mat3 {
+    let norm = m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
+    if !norm.is_finite() || norm < f64::MIN_POSITIVE {
+        return Mat3::IDENTITY;
+    }
+    let m = m * (1.0 / norm);
+    if m.determinant() > NEWTON_DETERMINANT { newton_polar(m) } else { svd_rotation(m) }
+}
+
+/// `m = R S` with a rotation `R` and a symmetric `S`, which has a negative eigenvalue where `m`
+/// reflects.
+pub fn polar(m: Mat3) -> (Mat3, Mat3) {
+    let r = nearest_rotation(m);
+    let s = r.transpose() * m;
+    (r, (s + s.transpose()) * 0.5)
+}
+
+fn newton_polar(mut x: Mat3) -> Mat3 {
+    for _ in 0..20 {
+        let y = cofactors(x) * (1.0 / x.determinant());
+        // Higham's scaling, in the Frobenius norm, brings large and small singular values together.
+        let scale = (frobenius(y) / frobenius(x)).sqrt();
+        let next = (x * scale + y * (1.0 / scale)) * 0.5;
+        let change = frobenius_squared(next - x);
+        x = next;
+        // Convergence is quadratic: a step of 1e-9 leaves an error of 1e-18.
+        if change < 1e-18 {
+            break;
+        }
+    }
+    x
+}
+
+/// `det(m) m^-T`, defined also where `m` is singular.
+fn cofactors(m: Mat3) -> Mat3 {
+    let (a, b, c) = (m.x_axis, m.y_axis, m.z_axis);
+    Mat3::from_cols(b.cross(c), c.cross(a), a.cross(b))
+}
+
+fn frobenius_squared(m: Mat3) -> f64 {
+    m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared()
+}
+
+fn frobenius(m: Mat3) -> f64 {
+    frobenius_squared(m).sqrt()
+}
+
+/// One-sided Jacobi: `m V = U diag(s)`; only the last axis may have to be flipped or invented.
+fn svd_rotation(m: Mat3) -> Mat3 {
+    let mut u = [m.x_axis, m.y_axis, m.z_axis];
+    let mut v = [Vec3::X, Vec3::Y, Vec3::Z];
+    for _ in 0..30 {
+        let mut largest: f64 = 0.0;
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            let (app, aqq, apq) = (u[p].length_squared(), u[q].length_squared(), u[p].dot(u[q]));
+            let size = (app * aqq).sqrt();
+            if apq.abs() <= f64::EPSILON * size || size == 0.0 {
+                continue;
+            }
+            largest = largest.max(apq.abs() / size);
+            let zeta = (aqq - app) / (2.0 * apq);
+            let t = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));
+            let c = 1.0 / t.hypot(1.0);
+            let s = c * t;
+            (u[p], u[q]) = (u[p] * c - u[q] * s, u[p] * s + u[q] * c);
+            (v[p], v[q]) = (v[p] * c - v[q] * s, v[p] * s + v[q] * c);
+        }
+        if largest < 1e-15 {
+            break;
+        }
+    }
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| u[b].length_squared().total_cmp(&u[a].length_squared()));
+    let [a, b, _] = order;
+    let largest = u[a].length();
+    let u0 = u[a] / largest;
+    let u1 = if u[b].length() > RANK_TOLERANCE * largest {
+        (u[b] - u0 * u0.dot(u[b])).normalize()
+    } else {
+        // Rank one: the turn about the one known axis is free; take the least.
+        let across = v[b] - u0 * u0.dot(v[b]);
+        if across.length() > 1e-3 { across.normalize() } else { u0.any_orthonormal_vector() }
+    };
+    let left = Mat3::from_cols(u0, u1, u0.cross(u1));
+    let right = Mat3::from_cols(v[a], v[b], v[a].cross(v[b]));
+    left * right.transpose()
+}
+
+/// Rotation vector (axis times angle, radians) of a rotation, with an angle in 0 to pi.
+pub fn log(r: Mat3) -> Vec3 {
+    let q = glam::DQuat::from_mat3(&r).normalize();
+    let q = if q.w < 0.0 { -q } else { q };
+    let (imaginary, real) = (Vec3::new(q.x, q.y, q.z), q.w);
+    let sine = imaginary.length();
+    if sine < 1e-12 {
+        return imaginary * (2.0 / real);
+    }
+    imaginary * (2.0 * sine.atan2(real) / sine)
+}
+
+/// The rotation by `|omega|` radians about `omega` (Rodrigues).
+pub fn exp(omega: Vec3) -> Mat3 {
+    Mat3::from_quat(glam::DQuat::from_scaled_axis(omega))
+}
+
+/// Among the rotation vectors that give the same rotation as `omega`, the one nearest to
+/// `reference`: `omega + 2 pi k omega / |omega|`.
+pub fn nearest_branch(omega: Vec3, reference: Vec3) -> Vec3 {
+    let angle = omega.length();
+    if angle < 1e-12 {
+        // No axis of its own: whole turns can only be about the reference.
+        let turns = (reference.length() / TAU).round();
+        return omega + reference.normalize_or_zero() * (turns * TAU);
+    }
+    let axis = omega / angle;
+    axis * (angle + TAU * ((reference.dot(axis) - angle) / TAU).round())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// A repeatable stream of numbers in (-1, 1).
+    fn numbers(seed: u64) -> impl FnMut() -> f64 {
+        let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
+        move || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        }
+    }
+
+    fn distance(a: Mat3, b: Mat3) -> f64 {
+        frobenius(a - b)
+    }
+
+    fn assert_rotation(r: Mat3) {
+        assert!(distance(r.transpose() * r, Mat3::IDENTITY) < 1e-12, "{r} is not orthogonal");
+        assert!((r.determinant() - 1.0).abs() < 1e-12, "{r} reflects");
+    }
+
+    #[test]
+    fn polar_recovers_rotation_and_stretch() {
+        let mut next = numbers(1);
+        for _ in 0..1000 {
+            let r = exp(Vec3::new(next(), next(), next()) * PI);
+            let q = exp(Vec3::new(next(), next(), next()) * PI);
+            let stretch = Vec3::new(next(), next(), next()).abs() * 3.0 + 1e-3;
+            let s = q * Mat3::from_diagonal(stretch) * q.transpose();
+            let (found_r, found_s) = polar(r * s);
+            assert!(distance(found_r, r) < 1e-9, "{stretch}");
+            assert!(distance(found_s, s) < 1e-9);
+        }
+    }
+
+    #[test]
+    fn nearest_rotation_beats_every_other_for_reflections_and_low_rank() {
+        let mut next = numbers(2);
+        for case in 0..500 {
+            let a = exp(Vec3::new(next(), next(), next()) * PI);
+            let b = exp(Vec3::new(next(), next(), next()) * PI);
+            let singular = match case % 5 {
+                0 => Vec3::new(1.0, 0.7, -0.3),
+                1 => Vec3::new(1.0, 0.5, 0.0),
+                2 => Vec3::new(1.0, 0.0, 0.0),
+                3 => Vec3::new(1.0, 1.0, -1.0),
+                _ => Vec3::new(1.0, 1e-9, -1e-9),
+            };
+            let m = a * Mat3::from_diagonal(singular) * b.transpose();
+            let r = nearest_rotation(m);
+            assert_rotation(r);
+            let score = |r: Mat3| (r.transpose() * m).to_cols_array();
+            let trace = |x: [f64; 9]| x[0] + x[4] + x[8];
+            let best = trace(score(r));
+            assert!((best - (singular.x + singular.y + singular.z)).abs() < 1e-7, "case {case}");
+            for _ in 0..20 {
+                let other = exp(Vec3::new(next(), next(), next()) * PI);
+                assert!(trace(score(other)) <= best + 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn nearest_rotation_of_nothing_is_the_identity() {
+        assert_eq!(nearest_rotation(Mat3::ZERO), Mat3::IDENTITY);
+        assert_eq!(nearest_rotation(Mat3::IDENTITY * f64::NAN), Mat3::IDENTITY);
+        assert!(distance(nearest_rotation(Mat3::IDENTITY * 1e-300), Mat3::IDENTITY) < 1e-12);
+    }
+
+    #[test]
+    fn log_inverts_exp_up_to_half_a_turn() {
+        let mut next = numbers(3);
+        for angle in [0.0, 1e-13, 1e-8, 1e-3, 1.0, 3.0, PI - 1e-6, PI - 1e-9] {
+            let axis = Vec3::new(next(), next(), next()).normalize();
+            assert!((log(exp(axis * angle)) - axis * angle).length() < 1e-9, "{angle}");
+        }
+    }
+
+    #[test]
+    fn branches_differ_by_whole_turns() {
+        let axis = Vec3::new(1.0, 2.0, -2.0) / 3.0;
+        for turns in -3..=3 {
+            let true_angle = 1.1 + TAU * f64::from(turns);
+            let lifted = nearest_branch(log(exp(axis * true_angle)), axis * (true_angle + 0.4));
+            assert!((lifted - axis * true_angle).length() < 1e-9);
+        }
+        let whole = nearest_branch(Vec3::ZERO, axis * (TAU + 0.1));
+        assert!((whole - axis * TAU).length() < 1e-12);
+    }
+}

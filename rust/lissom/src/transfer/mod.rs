@@ -1,0 +1,1 @@
+//! Transfer of shapes between meshes of different topology.
