@@ -38,7 +38,7 @@ def face_object(name, face, vertices, skin, into, location):
     mesh.polygons.foreach_set("loop_start", (np.cumsum(face.counts) - face.counts).astype(np.int32))
     mesh.polygons.foreach_set("use_smooth", np.ones(len(face.counts), dtype=bool))
     mesh.update(calc_edges=True)
-    for material in (skin, *_anatomy()):
+    for material in (skin, *anatomy()):
         mesh.materials.append(material)
     mesh.polygons.foreach_set("material_index", _material_indices(face))
     made = bpy.data.objects.new(name, mesh)
@@ -74,12 +74,28 @@ def triangles(obj):
     return indices.reshape(-1, 3)
 
 
+def components(mesh):
+    """(n,) a label for every vertex, the same for all vertices of a connected component."""
+    edges = np.empty(2 * len(mesh.edges), dtype=np.int32)
+    mesh.edges.foreach_get("vertices", edges)
+    a, b = edges.reshape(-1, 2).T
+    label = np.arange(len(mesh.vertices))
+    while True:
+        lower = np.minimum(label[a], label[b])
+        before = label.copy()
+        np.minimum.at(label, a, lower)
+        np.minimum.at(label, b, lower)
+        label = label[label]
+        if np.array_equal(before, label):
+            return label
+
+
 def diagonal(positions):
     """Length of the diagonal of the bounding box."""
     return float(np.linalg.norm(np.ptp(positions, axis=0)))
 
 
-def posed(obj, values, hidden_materials=()):
+def posed(obj, values):
     """A mesh of the object as its shape keys show it at the given values, all other keys at 0.
 
     The caller removes it. Values may also name custom properties of the object, such as sliders.
@@ -104,7 +120,8 @@ def _positions(collection_of_points):
     return flat.reshape(-1, 3).astype(np.float64)
 
 
-def _anatomy():
+def anatomy():
+    """The materials of MOUTH and what follows; slot SKIN comes before them."""
     return (
         material("Mouth", (0.42, 0.13, 0.12), 0.4),
         material("Teeth", (0.80, 0.76, 0.66), 0.3),

@@ -1,0 +1,80 @@
+"""The report: all figures as JSON, and a page of Markdown to read."""
+
+import json
+
+
+def write(folder, figures):
+    """Writes report.json and report.md."""
+    (folder / "report.json").write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+    (folder / "report.md").write_text(page(figures), encoding="utf-8")
+
+
+def page(figures):
+    """The report as Markdown."""
+    pose, remeshed, suzanne, inbetween = (figures[job] for job in ("pose", "remeshed", "suzanne", "inbetween"))
+    lines = [
+        "# What the demo did",
+        "",
+        f"Blender {figures['blender']}, lissom {figures['lissom']}, {figures['processors']} processors, "
+        f"{figures['seconds']:.0f} s in all, of which {figures['picture_seconds']:.0f} s for the pictures.",
+        "",
+        "## Pose",
+        "",
+        f"{pose['vertices']} vertices, {pose['free_vertices']} of them free between chest and head. "
+        f"Bind: {pose['bind_seconds']:.2f} s.",
+        "",
+        *table(
+            ("Head", "Seconds", "RMS change of edge lengths"),
+            [(p["pose"], f"{p['seconds']:.2f}", f"{p['rms_edge_change_percent']:.1f} %") for p in pose["poses"]],
+        ),
+        "",
+        "![Pose](pose.png)",
+        "",
+        "## Transfer to another person, remeshed",
+        "",
+        f"From {remeshed['source_vertices']} vertices ({remeshed['source_triangles']} triangles) to "
+        f"{remeshed['target_vertices']} ({remeshed['target_triangles']}) that Blender's Decimate left of the other "
+        f"person, linked by {remeshed['markers']} marker pairs. Fit: {remeshed['fit_seconds']:.1f} s; "
+        f"{remeshed['keys']} keys: {remeshed['transfer_seconds']:.1f} s.",
+        "",
+        "Distance to the known answer, identity + expression, in percent of the diagonal of the target's bounding box, "
+        "over all vertices; beside it how far the expression itself moves them.",
+        "",
+        *expressions(remeshed["expressions"]),
+        "",
+        "![Transfer to another person](remeshed.png)",
+        "",
+        "## Transfer to Suzanne",
+        "",
+        f"To {suzanne['target_vertices']} vertices ({suzanne['target_triangles']} triangles), linked by "
+        f"{suzanne['markers']} marker pairs. Fit: {suzanne['fit_seconds']:.1f} s; {suzanne['keys']} keys: "
+        f"{suzanne['transfer_seconds']:.1f} s.",
+        "",
+        "![Transfer to Suzanne](suzanne.png)",
+        "",
+        "## In-between",
+        "",
+        f"{inbetween['keys']} shape keys of {inbetween['vertices']} vertices under one slider: "
+        f"{inbetween['seconds']:.1f} s. While the eyes close, the lids sink into the eyeballs by "
+        f"{inbetween['straight_depth_mm']:.2f} mm on the straight way and by {inbetween['lissom_depth_mm']:.2f} mm on "
+        f"the baked one ({inbetween['rest_depth_mm']:.2f} mm while they are open).",
+        "",
+        "![In-between](inbetween.png)",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def expressions(rows):
+    """The table of errors against the known answer."""
+    columns = ("rms_percent", "p99_percent", "max_percent", "motion_rms_percent", "motion_max_percent")
+    heads = ("Expression", "RMS error", "99 % below", "Max error", "RMS motion", "Max motion")
+    mean = {column: sum(row[column] for row in rows) / len(rows) for column in columns}
+    body = [(row["expression"], *(f"{row[column]:.3f}" for column in columns)) for row in rows]
+    return table(heads, [*body, ("**mean**", *(f"{mean[column]:.3f}" for column in columns))])
+
+
+def table(heads, rows):
+    """Lines of a Markdown table; all columns but the first are aligned to the right."""
+    lines = ["| " + " | ".join(heads) + " |", "|---|" + "---:|" * (len(heads) - 1)]
+    return lines + ["| " + " | ".join(row) + " |" for row in rows]
