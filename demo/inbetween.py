@@ -30,7 +30,7 @@ def run(face, given, made, studio, picture):
 
     eyes = Eyes(face)
     depth = {
-        name: np.array([eyes.depth(_positions(blinking, {name: t})) for t in TIMES]) for name in (STRAIGHT, SLIDER)
+        name: np.array([eyes.depth(_shown(blinking, {name: t})) for t in TIMES]) for name in (STRAIGHT, SLIDER)
     }
     studio.sheet(_tiles(blinking, given), picture)
     scene.posed(blinking, {SLIDER: 0.0})
@@ -67,12 +67,11 @@ class Eyes:
         return deepest
 
 
-def _positions(obj, values):
+def _shown(obj, values):
     mesh = scene.posed(obj, values)
-    flat = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.vertices.foreach_get("co", flat)
+    positions = scene.positions(mesh.vertices)
     bpy.data.meshes.remove(mesh)
-    return flat.reshape(-1, 3).astype(np.float64)
+    return positions
 
 
 def _tiles(obj, given):
@@ -83,6 +82,6 @@ def _tiles(obj, given):
             mesh = scene.posed(obj, {name: t, SLIDER: t if name == SLIDER else 0.0})
             if name == STRAIGHT:
                 mesh.materials[scene.SKIN] = given
-            row.append(Tile([mesh], f"{way}, {100 * t:.0f} %", (0.02, 0.36), 0.55, turn=50))
+            row.append(Tile([mesh], f"{way}, {100 * t:.0f} %", (0.36, 0.36), 0.62, turn=40))
         rows.append(row)
     return rows

@@ -42,8 +42,8 @@ def run(face, made, studio, picture):
     ]
     of_ear = [Pose("ear pulled up", (-20, 0, 12), (0.10, 0.24, 0.34), tip)]
     figures = [
-        _pose(bust, ("chest", "head"), "", of_head),
-        _pose(bust, ("tip of the ear",), "ear", of_ear),
+        _pose(bust, groups, ("chest", "head"), "", of_head),
+        _pose(bust, groups, ("tip of the ear",), "ear", of_ear),
     ]
     whole, near = {"centre": (0.05, -0.30), "height": 4.0, "turn": 20}, {"centre": (0.52, 0.22), "height": 1.5, "turn": -40}
     head, shoulder, ear = (pose.name for pose in (*of_head, *of_ear))
@@ -77,7 +77,8 @@ def regions(face):
     }
 
 
-def _pose(bust, handles, region, poses):
+def _pose(bust, groups, handles, region, poses):
+    free = (len(groups[region]) if region else len(bust.data.vertices)) - sum(len(groups[name]) for name in handles)
     for name in handles:
         scene.run(bpy.ops.lissom.pose_handle_add, object=bust.name, vertex_group=name)
     bust.lissom_pose.roi = region
@@ -94,7 +95,10 @@ def _pose(bust, handles, region, poses):
         empty.matrix_world = Matrix.Translation(Vector(pose.shift)) @ pivot @ turn @ pivot.inverted() @ rest
         started = time.perf_counter()
         scene.run(bpy.ops.lissom.pose_apply, object=bust.name, name=pose.name, value=0.0)
-        rows.append({"pose": pose.name, "bind_seconds": bind_seconds, "seconds": time.perf_counter() - started})
+        seconds = time.perf_counter() - started
+        rows.append(
+            {"pose": pose.name, "free_vertices": free, "bind_seconds": bind_seconds, "seconds": seconds}
+        )
 
     scene.run(bpy.ops.lissom.pose_unbind, object=bust.name)
     for name in handles:

@@ -25,7 +25,7 @@ MARKED = range(60)
 
 
 def run(face, obj, made, studio, folder, picture):
-    """Transfers all keys of ``obj`` by operators; returns figures for the report."""
+    """Transfers all keys of ``obj`` by operators; returns figures for the report, lengths in percent of the diagonal."""
     full = face.neutral + face.identity
     target = decimated(face, full, made, (6.0, 0, 0))
     surface = Surface(obj, full)
@@ -43,13 +43,24 @@ def run(face, obj, made, studio, folder, picture):
     scene.run(bpy.ops.lissom.transfer_keys, **objects)
     transferred = time.perf_counter()
 
-    diagonal = scene.diagonal(rest)
-    rows, errors = [], {}
+    # What copying offsets from the closest point of the source would give, for comparison.
+    _, copied_of = Surface(obj, face.neutral).locate(rest, vertex_normals(target))
+    percent = 100.0 / scene.diagonal(rest)
+    rows = []
     for name, expression in face.expressions.items():
-        known = offset_of(expression)
-        error = np.linalg.norm(scene.key_vertices(target, name) - rest - known, axis=1) / diagonal
-        errors[name] = error
-        rows.append({"expression": name, **_figures(error, np.linalg.norm(known, axis=1) / diagonal)})
+        known, got = offset_of(expression), scene.key_vertices(target, name) - rest
+        error, motion, copied = (
+            percent * np.linalg.norm(offsets, axis=1)
+            for offsets in (got - known, known, copied_of(expression) - known)
+        )
+        rows.append(
+            {
+                "expression": name,
+                "rms": rms(error), "p99": float(np.quantile(error, 0.99)), "max": float(error.max()),
+                "motion_rms": rms(motion), "motion_max": float(motion.max()), "closest_point_rms": rms(copied),
+            }
+        )  # fmt: skip
+    errors = {row["expression"]: row["rms"] for row in rows}
 
     studio.sheet(_tiles(obj, target, errors), picture)
     return {
@@ -61,9 +72,7 @@ def run(face, obj, made, studio, folder, picture):
         "fit_seconds": fitted - started,
         "transfer_seconds": transferred - fitted,
         "keys": len(rows),
-        "distance_to_full_surface_percent": {
-            "rms": 100 * float(np.sqrt(np.mean(place**2))) / diagonal, "max": 100 * float(place.max()) / diagonal,
-        },
+        "distance_to_full_surface": {"rms": rms(percent * place), "max": float(percent * place.max())},
         "expressions": rows,
     }  # fmt: skip
 
@@ -147,17 +156,9 @@ def marker_pairs(face, full, rest, normals, full_normals):
     return pairs
 
 
-def _figures(error, motion):
-    """All in percent of the diagonal; ``share`` is error by motion."""
-    rms, moved = float(np.sqrt(np.mean(error**2))), float(np.sqrt(np.mean(motion**2)))
-    return {
-        "rms_percent": 100 * rms,
-        "p99_percent": 100 * float(np.quantile(error, 0.99)),
-        "max_percent": 100 * float(error.max()),
-        "motion_rms_percent": 100 * moved,
-        "motion_max_percent": 100 * float(motion.max()),
-        "share_percent": 100 * rms / moved,
-    }
+def rms(lengths):
+    """Root mean square."""
+    return float(np.sqrt(np.mean(lengths**2)))
 
 
 def _tiles(obj, target, errors):
@@ -171,7 +172,7 @@ def _tiles(obj, target, errors):
     rows = [[tile] for tile in first]
     for label, mix in source.SHOWN.items():
         rows[0].append(Tile([scene.posed(obj, mix)], label, note="given", **frame))
-        worst = 100 * max(np.sqrt(np.mean(errors[name] ** 2)) for name in mix)
+        worst = max(errors[name] for name in mix)
         rows[1].append(Tile([scene.posed(target, mix)], label, note=f"transferred, error {worst:.2f} %", **frame))
     return rows
 

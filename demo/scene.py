@@ -3,14 +3,17 @@
 import bpy
 import numpy as np
 
-SKIN, MOUTH, TEETH, WHITE, IRIS, PUPIL = range(6)
+SKIN, MOUTH, TEETH, EYE = range(4)
 MATERIAL_OF_PART = {
-    "face": SKIN, "head_and_neck": SKIN, "mouth_socket": MOUTH, "eye_sockets": SKIN, "gums_and_tongue": MOUTH,
-    "teeth": TEETH, "eyeball_left": WHITE, "eyeball_right": WHITE,
+    "face": SKIN, "head_and_neck": SKIN, "mouth_socket": MOUTH, "eye_sockets": SKIN,
+    "gums_and_tongue": MOUTH, "teeth": TEETH, "eyeball_left": EYE, "eyeball_right": EYE,
 }  # fmt: skip
 
-# Half the angle that iris and pupil take of the eyeball, in degrees.
-IRIS_ANGLE, PUPIL_ANGLE = 28.0, 11.0
+# A vertex attribute: the angle to the middle of the pupil, as a part of the angle at the iris's rim. Eyes are
+# coloured by it, so that the iris stays round on any triangulation.
+GAZE = "gaze"
+IRIS_ANGLE = 27.0  # degrees
+PUPIL = 0.42  # of the iris
 
 
 def run(operator, **properties):
@@ -40,7 +43,9 @@ def face_object(name, face, vertices, skin, into, location):
     mesh.update(calc_edges=True)
     for material in (skin, *anatomy()):
         mesh.materials.append(material)
-    mesh.polygons.foreach_set("material_index", _material_indices(face))
+    slots = np.array([MATERIAL_OF_PART[part] for part in face.polygon_part], dtype=np.int32)
+    mesh.polygons.foreach_set("material_index", slots)
+    set_gaze(mesh, _gaze(face))
     made = bpy.data.objects.new(name, mesh)
     made.location = location
     into.objects.link(made)
@@ -58,12 +63,12 @@ def add_keys(obj, rest, offsets):
 
 def vertices(obj):
     """(n, 3) rest positions."""
-    return _positions(obj.data.vertices)
+    return positions(obj.data.vertices)
 
 
 def key_vertices(obj, name):
     """(n, 3) positions of a shape key."""
-    return _positions(obj.data.shape_keys.key_blocks[name].data)
+    return positions(obj.data.shape_keys.key_blocks[name].data)
 
 
 def triangles(obj):
@@ -114,21 +119,39 @@ def posed(obj, values):
     return bpy.data.meshes.new_from_object(obj.evaluated_get(graph), depsgraph=graph)
 
 
-def _positions(collection_of_points):
-    flat = np.empty(3 * len(collection_of_points), dtype=np.float32)
-    collection_of_points.foreach_get("co", flat)
+def positions(points):
+    """(n, 3) of mesh vertices or shape key points."""
+    flat = np.empty(3 * len(points), dtype=np.float32)
+    points.foreach_get("co", flat)
     return flat.reshape(-1, 3).astype(np.float64)
 
 
 def anatomy():
-    """The materials of MOUTH and what follows; slot SKIN comes before them."""
-    return (
-        material("Mouth", (0.42, 0.13, 0.12), 0.4),
-        material("Teeth", (0.80, 0.76, 0.66), 0.3),
-        material("Eye white", (0.85, 0.84, 0.82), 0.15),
-        material("Iris", (0.10, 0.16, 0.17), 0.15),
-        material("Pupil", (0.01, 0.01, 0.01), 0.1),
-    )
+    """The materials of the slots that follow SKIN."""
+    return material("Mouth", (0.42, 0.13, 0.12), 0.4), material("Teeth", (0.80, 0.76, 0.66), 0.3), _eye()
+
+
+def set_gaze(mesh, gaze):
+    """Stores (n,) values of GAZE."""
+    mesh.attributes.new(GAZE, "FLOAT", "POINT").data.foreach_set("value", gaze.astype(np.float32))
+
+
+def _eye():
+    made = bpy.data.materials.get("Eye")
+    if made is None:
+        made = material("Eye", (0.8, 0.8, 0.8), 0.12)
+        nodes, links = made.node_tree.nodes, made.node_tree.links
+        gaze, ramp = nodes.new("ShaderNodeAttribute"), nodes.new("ShaderNodeValToRGB")
+        gaze.attribute_name = GAZE
+        ramp.color_ramp.interpolation = "CONSTANT"
+        stops = ramp.color_ramp.elements
+        stops[0].color = (0.008, 0.008, 0.008, 1.0)
+        stops[1].position, stops[1].color = PUPIL, (0.09, 0.15, 0.15, 1.0)
+        white = stops.new(1.0)
+        white.color = (0.80, 0.79, 0.77, 1.0)
+        links.new(gaze.outputs["Fac"], ramp.inputs["Fac"])
+        links.new(ramp.outputs["Color"], nodes["Principled BSDF"].inputs["Base Color"])
+    return made
 
 
 def material(name, colour, roughness=0.5):
@@ -145,15 +168,14 @@ def material(name, colour, roughness=0.5):
     return made
 
 
-def _material_indices(face):
-    indices = np.array([MATERIAL_OF_PART[part] for part in face.polygon_part], dtype=np.int32)
-    first = np.cumsum(face.counts) - face.counts
-    centres = np.add.reduceat(face.neutral[face.loops], first) / face.counts[:, None]
+def _gaze(face):
+    """GAZE at every vertex, from the pole that faces forward; skin and teeth have what is beyond the iris."""
+    gaze = np.full(len(face.neutral), 2.0)
+    valence = np.bincount(face.loops, minlength=len(face.neutral))
     for eyeball in ("eyeball_left", "eyeball_right"):
-        ball = face.neutral[face.vertex_part == eyeball]
-        gaze = centres - (ball.min(axis=0) + ball.max(axis=0)) / 2
-        angle = np.degrees(np.arccos(-gaze[:, 1] / np.linalg.norm(gaze, axis=1)))
-        of_eye = face.polygon_part == eyeball
-        indices[of_eye & (angle < IRIS_ANGLE)] = IRIS
-        indices[of_eye & (angle < PUPIL_ANGLE)] = PUPIL
-    return indices
+        ball = np.flatnonzero(face.vertex_part == eyeball)
+        out = face.neutral[ball] - face.neutral[ball].mean(axis=0)
+        out /= np.linalg.norm(out, axis=1, keepdims=True)
+        pole = np.where(out[:, 1] < 0.0, valence[ball], 0).argmax()
+        gaze[ball] = np.degrees(np.arccos(np.clip(out @ out[pole], -1.0, 1.0))) / IRIS_ANGLE
+    return gaze

@@ -12,7 +12,7 @@ from studio import Tile
 
 MARKERS = Path(__file__).with_name("suzanne_markers.json")
 HEAD_VERTEX = 90  # on the chin
-EYE = (0.353, 0.243, 0.105)  # centre (x, z) of an eye and radius of its pupil
+EYE_CENTRE, IRIS_RADIUS = (0.353, 0.243), 0.13  # seen from the front, (x, z)
 LEVELS = 2  # of subdivision: 507 vertices become 7958, of which the first 507 are the old ones
 
 
@@ -66,21 +66,22 @@ def make(skin, location):
 
 
 def _paint(mesh, skin):
-    """Skin on the head, white on the two eyeballs, which are components of their own, and a dark disc on those."""
+    """Skin on the head, eyes on the two eyeballs, which are components of their own."""
     mesh.materials.clear()
     for material in (skin, *scene.anatomy()):
         mesh.materials.append(material)
-    component = scene.components(mesh)
+    component, at = scene.components(mesh), scene.positions(mesh.vertices)
     for polygon in mesh.polygons:
-        x, _, z = polygon.center
         if component[polygon.vertices[0]] != component[HEAD_VERTEX]:
-            polygon.material_index = scene.PUPIL if np.hypot(abs(x) - EYE[0], z - EYE[1]) < EYE[2] else scene.WHITE
+            polygon.material_index = scene.EYE
+    x, z = np.abs(at[:, 0]) - EYE_CENTRE[0], at[:, 2] - EYE_CENTRE[1]
+    scene.set_gaze(mesh, np.hypot(x, z) / IRIS_RADIUS)
 
 
 def _tiles(obj, suzanne, pairs):
     dot = scene.material("Marker", (0.85, 0.10, 0.03), 0.3)
     face_frame = {"centre": (0.0, 0.02), "height": 2.9, "turn": 18}
-    monkey_frame = {"centre": (0.0, -0.14), "height": 2.75, "turn": 18}
+    monkey_frame = {"centre": (0.06, -0.17), "height": 3.15, "turn": 18}
     above, below = [], []
     for row, side, frame, other in ((above, "source", face_frame, obj), (below, "target", monkey_frame, suzanne)):
         rest = scene.vertices(other)
