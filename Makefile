@@ -2,7 +2,6 @@
 # make test       every test: core, binding, add-on logic, and inside real Blenders
 # make lint       rustfmt, clippy, ruff
 # make extension  dist/lissom-<version>-<platform>.zip, for Blender's "Install from Disk"
-# make bench      measured against other tools
 #
 # Needs Rust, make and Python 3.11; everything else goes into .venv/ and build/ of this folder.
 
@@ -17,20 +16,62 @@ RUST := $(shell find rust -name '*.rs' -o -name 'Cargo.toml') Cargo.toml Cargo.l
 TOOLS := .venv/tools/ready
 WHEEL := dist/wheel.stamp
 
-.PHONY: all demo test test-rust test-native test-blender lint extension bench clean
+.PHONY: all demo test test-rust test-native test-blender lint extension clean
 all: extension
 
-# --- tools and wheel -------------------------------------------------------------------------------
+# --- tools, wheel, Blenders -------------------------------------------------------------------------
+
+PIP_INSTALL := -m pip install -q --disable-pip-version-check
 
 $(TOOLS):
 	$(PYTHON) -m venv .venv/tools
-	.venv/tools/bin/python -m pip install -q --disable-pip-version-check \
-		'maturin>=1.9,<2' 'numpy>=1.26' 'pytest>=8' 'ruff>=0.8'
+	.venv/tools/bin/python $(PIP_INSTALL) 'maturin>=1.9,<2' 'numpy>=1.26' 'pytest>=8,<10' 'ruff>=0.8,<1'
 	touch $@
 
-$(WHEEL): $(TOOLS) $(RUST) README.md rust/lissom-py/lissom.pyi
+$(WHEEL): $(TOOLS) $(RUST) LICENSE rust/lissom-py/lissom.pyi
 	rm -f dist/*.whl
 	.venv/tools/bin/maturin build --release --locked --interpreter .venv/tools/bin/python -o dist
-	.venv/tools/bin/python -m pip install -q --disable-pip-version-check --force-reinstall --no-deps dist/*.whl
+	.venv/tools/bin/python $(PIP_INSTALL) --force-reinstall --no-deps dist/*.whl
 	touch $@
 
+# One environment per Blender: .venv/bpy-4.2 and so on.
+.venv/bpy-%/ready: $(WHEEL)
+	test -x .venv/bpy-$*/bin/python || $(if $(filter 5.2,$*),$(PYTHON313),$(PYTHON)) -m venv .venv/bpy-$*
+	.venv/bpy-$*/bin/python $(PIP_INSTALL) 'bpy==$*.*' 'pytest>=8,<10'
+	.venv/bpy-$*/bin/python $(PIP_INSTALL) --force-reinstall --no-deps dist/*.whl
+	.venv/bpy-$*/bin/python -c 'import bpy' || { echo; \
+		echo "Blender as a module needs these system libraries (Debian's names):"; \
+		echo "  libx11-6 libxrender1 libxxf86vm1 libxfixes3 libxi6 libxkbcommon0 libsm6 libgl1"; exit 1; }
+	touch $@
+
+# --- the jobs ---------------------------------------------------------------------------------------
+
+demo: .venv/bpy-5.0/ready
+	.venv/bpy-5.0/bin/python demo/run.py --out build/demo
+
+test: test-rust test-native test-blender
+
+test-rust:
+	cargo test --release --locked -q -p lissom
+
+test-native: $(WHEEL)
+	.venv/tools/bin/python -m pytest tests/native tests/addon_core
+
+BLENDERS := 4.2 5.0 $(if $(PYTHON313),5.2)
+test-blender: $(BLENDERS:%=test-blender-%)
+	@$(if $(PYTHON313),true,echo "LEFT OUT: Blender 5.2, which needs Python 3.13; set PYTHON313=/path/to/python3.13")
+
+test-blender-%: .venv/bpy-%/ready
+	.venv/bpy-$*/bin/python -m pytest tests/blender
+
+lint: $(TOOLS)
+	cargo fmt --all --check
+	cargo clippy --release --locked --all-targets -- -D warnings
+	.venv/tools/bin/ruff check .
+	.venv/tools/bin/ruff format --check .
+
+extension: $(WHEEL)
+	.venv/tools/bin/python tools/build_extension.py
+
+clean:
+	rm -rf .venv build dist target

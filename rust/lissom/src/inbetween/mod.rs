@@ -1,1 +1,223 @@
-//! As-rigid-as-possible in-betweens.
+//! As-rigid-as-possible in-betweens of two shapes of one mesh.
+//!
+//! # The problem
+//!
+//! Between `start` and `end` every triangle turns by a rotation `R` and stretches by `S`, its gradient
+//! being `Q = R S`. On the way it shall have turned by `R(t)`, a part of the way from `I` to `R`, and
+//! stretched by `(1-t) I + t S` (Alexa, Cohen-Or & Levin 2000, As-Rigid-As-Possible Shape
+//! Interpolation). Applied to an edge `e`, and with `S = R^T Q`, that is
+//!
+//! ```text
+//!     c_te(t) = (1-t) R_t(t) e(start)  +  t R_t(t) R_t(1)^T e(end)
+//! ```
+//!
+//! the edge at the start turned forward, blended with the edge at the end turned back: the same
+//! seen from either end, defined for triangles without area, and exact at both ends. The
+//! positions are stitched:
+//!
+//! ```text
+//!     min_x  sum_t sum_{e in t}  w_te | e(x) - c_te(t) |^2
+//! ```
+//!
+//! with `w_te` the mean of the half cotangents at both ends, which weighs by area at either.
+//!
+//! # The steps
+//!
+//! | file | |
+//! |---|---|
+//! | `rotations` | `R_t`: the polar decomposition of each triangle's gradient |
+//! | `branches` | `R_t(t)`: which logarithm of `R_t`, so that neighbours turn together |
+//! | `path` | `x(t)`: the stitch |
+//! | `keyframes` | the fewest times between which a straight line will do |
+//!
+//! Vertices in the same place at both ends stay there exactly; a connected component without such
+//! a vertex has its centroid move straight.
+
+mod branches;
+mod keyframes;
+mod path;
+mod rotations;
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
+use crate::mesh::geometry::{TriangleGeometry, UnitFrame};
+use crate::mesh::validate;
+use crate::operators::hats_of;
+use crate::{Error, Fault, Job, Mesh, Result, Vec3};
+use branches::{Neighbours, Turn};
+
+pub use keyframes::Keyframes;
+
+/// How the turn of a triangle is chosen among all that lead to the same rotation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Rotation {
+    /// Neighbours turn together: twists beyond half a turn, and several turns, come out whole.
+    #[default]
+    Consistent,
+    /// Every triangle by at most half a turn.
+    Shortest,
+}
+
+/// Options of [`Inbetween`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct InbetweenOptions {
+    /// How turns are chosen.
+    pub rotation: Rotation,
+}
+
+/// The path from one shape of a mesh to another, factored once and evaluated at any time.
+///
+/// The way back is the same path: `start` to `end` at `t` is `end` to `start` at `1 - t`.
+#[derive(Debug)]
+pub struct Inbetween {
+    mesh: Arc<Mesh>,
+    /// Both shapes in the mesh's own units, in an order that does not depend on who is called start.
+    shapes: [Vec<Vec3>; 2],
+    reversed: bool,
+    /// What a unit is inside, in the mesh's own units.
+    scale: f64,
+    /// Of each corner and both shapes: `sum w_te e` over the two edges of its triangle that meet there.
+    hats: [Vec<[Vec3; 3]>; 2],
+    turns: Vec<Turn>,
+    system: ConstrainedSystem,
+    /// The vertices of each component that nothing holds.
+    afloat: Vec<Vec<u32>>,
+    warnings: Vec<String>,
+}
+
+impl Inbetween {
+    /// Prepares the path from `start` to `end`, one position per vertex of `mesh`, in its own units.
+    /// Only the triangles of `mesh` matter, not its positions.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidValue`] for shapes of the wrong length, with values that are not finite, or all
+    /// of whose points lie on one point or line; [`Error::SolveFailed`], [`Error::Cancelled`].
+    pub fn new(
+        mesh: Arc<Mesh>,
+        start: &[Vec3],
+        end: &[Vec3],
+        options: InbetweenOptions,
+        job: &Job,
+    ) -> Result<Self> {
+        let frames = [shape_frame("start", &mesh, start)?, shape_frame("end", &mesh, end)?];
+        let scale = frames[0].scale.max(frames[1].scale);
+        job.report(0.0, "rotations");
+
+        // Rounding must not choose another path for the way back, so the order is settled first.
+        let reversed = precedes(end, start);
+        let order = if reversed {
+            [(end, frames[1]), (start, frames[0])]
+        } else {
+            [(start, frames[0]), (end, frames[1])]
+        };
+        let [a, b] = order.map(|(shape, frame)| -> Vec<Vec3> {
+            shape.iter().map(|&p| (p - frame.center) / scale).collect()
+        });
+        let geometry = [&a, &b].map(|x| TriangleGeometry::of(x, mesh.triangles()));
+        let weights: Vec<[f64; 3]> = geometry[0]
+            .half_cotangents
+            .iter()
+            .zip(&geometry[1].half_cotangents)
+            .map(|(u, v)| [0, 1, 2].map(|c| 0.5 * (u[c] + v[c])))
+            .collect();
+        let motions = rotations::motions(&mesh, &a, &b);
+        job.check()?;
+
+        let neighbours = Neighbours::of(&mesh, &motions);
+        let still: Vec<bool> = start.iter().zip(end).map(|(p, q)| p == q).collect();
+        job.report(0.2, "branches");
+        let turns = match options.rotation {
+            Rotation::Shortest => branches::shortest(&motions),
+            Rotation::Consistent => {
+                let moved = |t: &[u32; 3]| t.iter().filter(|&&v| !still[v as usize]).count() as u8;
+                let moved: Vec<u8> = mesh.triangles().iter().map(moved).collect();
+                branches::consistent(&neighbours, &motions, &moved, job)?
+            }
+        };
+
+        let mut warnings = Vec::new();
+        let mut say = |argument: &str, problem: &str, offenders: &mut dyn Iterator<Item = usize>| {
+            let ids = offenders.map(|t| mesh.triangle_ids()[t] as usize);
+            warnings.extend(Fault::at(argument, problem, ids).map(|fault| fault.to_string()));
+        };
+        let names = if reversed { ["end", "start"] } else { ["start", "end"] };
+        for (name, shape) in names.into_iter().zip(&geometry) {
+            let slivers = (0..motions.len()).filter(|&t| shape.mollified[t]);
+            say(name, "triangles that are slivers or without area, mollified", &mut { slivers });
+        }
+        let problem = "triangles that turn over against their neighbours between start and end";
+        say("end", problem, &mut neighbours.inverted(&motions));
+
+        job.report(0.5, "factorization");
+        job.check()?;
+        let (held, afloat) = holds(&mesh, &still);
+        let edges = mesh
+            .triangles()
+            .iter()
+            .zip(&weights)
+            .flat_map(|(&[a, b, c], w)| [(b, c, w[0]), (c, a, w[1]), (a, b, w[2])]);
+        let laplacian = SymmetricMatrix::laplacian(still.len(), edges);
+        let system = ConstrainedSystem::new(&laplacian, Constraints::hard(still.len(), |v| held[v]))?;
+        let hats = [&a, &b].map(|x| {
+            let corners = mesh.triangles().par_iter().map(|t| t.map(|v| x[v as usize]));
+            corners.zip(&weights).map(|(corners, w)| hats_of(corners, *w)).collect()
+        });
+        let shapes = order.map(|(shape, _)| shape.to_vec());
+        job.report(1.0, "ready");
+        Ok(Self { mesh, shapes, reversed, scale, hats, turns, system, afloat, warnings })
+    }
+
+    /// What is doubtful: slivers, triangles that turn over. Empty for two shapes that agree.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+}
+
+/// Checks one of the two shapes.
+fn shape_frame(argument: &str, mesh: &Mesh, shape: &[Vec3]) -> Result<UnitFrame> {
+    if shape.len() != mesh.vertices().len() {
+        let (rows, n) = (shape.len(), mesh.vertices().len());
+        let problem = format!("has {rows} rows, the mesh has {n} vertices");
+        return Err(Error::InvalidValue(Fault::new(argument, problem)));
+    }
+    let bad = shape.iter().enumerate().filter(|(_, p)| !p.is_finite()).map(|(v, _)| v);
+    if let Some(fault) = Fault::at(argument, "not finite", bad) {
+        return Err(Error::InvalidValue(fault));
+    }
+    let whole = || -> Result<UnitFrame> {
+        let frame = UnitFrame::of(shape, mesh.triangles())?;
+        let unit: Vec<Vec3> = shape.iter().map(|&p| frame.to_unit(p)).collect();
+        validate::spread(&unit, mesh.triangles())?;
+        Ok(frame)
+    };
+    whole().map_err(|error| match error {
+        Error::InvalidMesh(fault) => Error::InvalidValue(Fault { argument: argument.to_owned(), ..fault }),
+        other => other,
+    })
+}
+
+/// Whether `a` comes before `b` at the first number in which they differ.
+fn precedes(a: &[Vec3], b: &[Vec3]) -> bool {
+    let differ = a.iter().zip(b).find(|(p, q)| p != q);
+    differ.is_some_and(|(p, q)| p.to_array() < q.to_array())
+}
+
+/// Which vertices are held, and the components that nothing but one of their vertices holds, for
+/// the time of the solve.
+fn holds(mesh: &Mesh, still: &[bool]) -> (Vec<bool>, Vec<Vec<u32>>) {
+    let in_triangles = |v: usize| mesh.components().of_vertex(v).is_some();
+    let mut held: Vec<bool> = (0..still.len()).map(|v| still[v] || !in_triangles(v)).collect();
+    let mut afloat = mesh.components().members();
+    afloat.retain(|vertices| vertices.iter().all(|&v| !still[v as usize]));
+    for vertices in &afloat {
+        held[vertices[0] as usize] = true;
+    }
+    (held, afloat)
+}
+
+#[cfg(test)]
+mod tests;

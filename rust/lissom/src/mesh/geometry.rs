@@ -19,7 +19,7 @@ pub struct UnitFrame {
 }
 
 impl UnitFrame {
-    pub(super) fn of(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<Self> {
+    pub(crate) fn of(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<Self> {
         let used = triangles.iter().flatten().map(|&i| vertices[i as usize]);
         let (low, high) =
             used.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
@@ -50,7 +50,7 @@ impl UnitFrame {
 }
 
 #[derive(Debug)]
-pub(super) struct TriangleGeometry {
+pub(crate) struct TriangleGeometry {
     pub areas: Vec<f64>,
     pub normals: Vec<Vec3>,
     pub half_cotangents: Vec<[f64; 3]>,

@@ -3,7 +3,7 @@
 mod adjacency;
 mod components;
 pub(crate) mod geometry;
-mod validate;
+pub(crate) mod validate;
 
 pub use adjacency::{Adjacency, Corner, Side};
 pub use components::Components;

@@ -16,7 +16,8 @@ const SPREAD: f64 = 1e-6;
 #[derive(Debug)]
 pub struct Region {
     handles: Vec<Vec<u32>>,
-    /// The triangles at free vertices, as a mesh of their own in the whole mesh's unit coordinates.
+    /// The triangles up to two rings from free vertices, as a mesh of their own in the whole mesh's
+    /// unit coordinates.
     part: Option<Mesh>,
     /// For each vertex of the part, its index in the whole mesh.
     whole: Vec<u32>,
@@ -63,9 +64,16 @@ impl Region {
             &|c| points[c] > 0 && held[c] <= 2,
         );
 
+        // Cells of given vertices beside free ones reach one ring further, and count in full.
         let triangles = mesh.triangles();
-        let taking_part: Vec<usize> =
-            (0..triangles.len()).filter(|&t| triangles[t].iter().any(|&v| free(v as usize))).collect();
+        let ring = |near: &dyn Fn(usize) -> bool| -> Vec<usize> {
+            (0..triangles.len()).filter(|&t| triangles[t].iter().any(|&v| near(v as usize))).collect()
+        };
+        let mut beside = vec![false; n];
+        for &v in ring(&free).iter().flat_map(|&t| &triangles[t]) {
+            beside[v as usize] = true;
+        }
+        let taking_part = ring(&|v| beside[v]);
         let mut whole: Vec<u32> = taking_part.iter().flat_map(|&t| triangles[t]).collect();
         whole.sort_unstable();
         whole.dedup();
@@ -89,7 +97,7 @@ impl Region {
         self.part.is_none()
     }
 
-    /// The mesh that methods work on: free vertices and the ring of given ones around them.
+    /// The mesh that methods work on: free vertices and the two rings of given ones around them.
     ///
     /// # Panics
     ///

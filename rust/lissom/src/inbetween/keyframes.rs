@@ -1,0 +1,225 @@
+//! The fewest times between which straight lines stay within a tolerance of the path.
+//!
+//! Playback by shape keys is a polyline in time: between keys `a` and `b` a vertex is at
+//! `((b-t) x(a) + (t-a) x(b)) / (b-a)`. Its distance from `x(t)` is that of the arcs `y` (see `path`),
+//! since straight lines cancel. Keys are chosen on a fine grid of times, by breadth-first search: all
+//! times reachable with one segment, with two, ...; so with fewer keys on the grid it cannot be done.
+//! Among the choices of that many keys, the one whose largest error is least is taken.
+//!
+//! A few vertices decide. The search knows only those, and takes in the worst offender of each
+//! segment until no vertex of the mesh offends: what is impossible for a few is for all.
+
+use rayon::prelude::*;
+
+use super::Inbetween;
+use crate::{Error, Fault, Job, Result, Vec3};
+
+/// Keys lie on multiples of `1 / GRID`; a power of two.
+const GRID: usize = 512;
+
+/// The path is solved at this many steps at least and at most, and interpolated between them.
+const STEPS: (usize, usize) = (32, 256);
+
+/// Steps are halved until cubic interpolation from every other one is off by at most this fraction of
+/// the tolerance. From all of them it is then off by a sixteenth of that.
+const INTERPOLATION: f64 = 1.0 / 16.0;
+
+/// The least error for a number of keys is found to within this fraction.
+const EVENNESS: f64 = 0.02;
+
+/// Below this fraction of the straight line's error there is no telling errors from rounding.
+const NOTHING: f64 = 1e-9;
+
+/// Times for keys, and how well straight lines between them follow the path.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Keyframes {
+    /// Ascending, with 0 and 1.
+    pub times: Vec<f64>,
+    /// Largest distance of any vertex at any time from the path, in the mesh's own units.
+    pub error: f64,
+    /// Whether more keys would have been needed.
+    pub warnings: Vec<String>,
+}
+
+/// The arc `y` of one vertex at equal steps from 0 to 1.
+type Track = Vec<Vec3>;
+
+impl Inbetween {
+    /// The fewest times, with 0 and 1 among them, whose straight-line playback stays within
+    /// `tolerance` (in the mesh's own units) of the path at every vertex and time.
+    ///
+    /// Where `max_keys` do not suffice, the `max_keys` times with the least error, and a warning.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidValue`] for a tolerance that is not positive or fewer than two keys,
+    /// [`Error::Cancelled`].
+    pub fn keyframes(&self, tolerance: f64, max_keys: usize, job: &Job) -> Result<Keyframes> {
+        let invalid = |argument, problem: &str| Err(Error::InvalidValue(Fault::new(argument, problem)));
+        if !(tolerance > 0.0 && tolerance.is_finite()) {
+            return invalid("tolerance", "not a positive number");
+        }
+        if max_keys < 2 {
+            return invalid("max_keys", "less than 2: both ends are keys");
+        }
+        let tracks = self.tracks(tolerance, job)?;
+        let size = |track: &Track| track.iter().map(|y| y.length_squared()).fold(0.0, f64::max);
+        let farthest = tracks.par_iter().enumerate().map(|(i, track)| (size(track), i));
+        let Some((_, farthest)) = farthest.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+            return Ok(Keyframes { times: vec![0.0, 1.0], error: 0.0, warnings: Vec::new() });
+        };
+
+        let mut known = vec![farthest];
+        loop {
+            job.check()?;
+            let few: Vec<Track> = known.iter().map(|&i| refined(&tracks[i])).collect();
+            let enough = fewest(&few, tolerance, max_keys, job)?;
+            let (keys, least) = evenly(&few, enough.as_ref().map_or(max_keys, Vec::len), job)?;
+            let allowed = if enough.is_some() { tolerance } else { least * (1.0 + EVENNESS) };
+            let worst = worst(&tracks, &keys);
+            let offenders = worst.iter().filter(|(error, i)| *error > allowed && !known.contains(i));
+            let mut offenders: Vec<usize> = offenders.map(|&(_, i)| i).collect();
+            offenders.sort_unstable();
+            offenders.dedup();
+            if offenders.is_empty() {
+                let error = worst.iter().fold(0.0, |e: f64, w| e.max(w.0));
+                let warnings = match enough {
+                    Some(_) => Vec::new(),
+                    None => vec![format!("max_keys: {max_keys} keys leave an error of {error:.3e}")],
+                };
+                let times = keys.into_iter().map(|k| k as f64 / GRID as f64).collect();
+                return Ok(Keyframes { times, error, warnings });
+            }
+            known.extend(offenders);
+        }
+    }
+
+    /// The arcs of all vertices that leave the straight line, in the mesh's own units.
+    fn tracks(&self, tolerance: f64, job: &Job) -> Result<Vec<Track>> {
+        let n = self.shapes[0].len();
+        let mut steps = 1;
+        let mut arcs = vec![vec![Vec3::ZERO; n]; 2];
+        loop {
+            let between: Vec<f64> = (0..steps).map(|k| (k as f64 + 0.5) / steps as f64).collect();
+            let mut new = Vec::with_capacity(steps);
+            for chunk in between.chunks(8) {
+                job.report(new.len() as f64 / steps as f64, "sampling the path");
+                new.extend(self.arcs(chunk, job)?);
+            }
+            let off = (0..steps).into_par_iter().map(|k| {
+                (0..n).map(|v| midpoint(steps, k, |i| arcs[i][v]).distance(new[k][v])).fold(0.0, f64::max)
+            });
+            let off = off.reduce(|| 0.0, f64::max) * self.scale;
+            let mut merged = Vec::with_capacity(2 * steps + 1);
+            let mut old = arcs.into_iter();
+            for (a, b) in old.by_ref().zip(new) {
+                merged.extend([a, b]);
+            }
+            merged.push(vec![Vec3::ZERO; n]);
+            arcs = merged;
+            steps *= 2;
+            if steps >= STEPS.1 || (steps >= STEPS.0 && off <= INTERPOLATION * tolerance) {
+                break;
+            }
+        }
+        let moves = |v: &usize| arcs.iter().any(|y| y[*v] != Vec3::ZERO);
+        let vertices = (0..n).into_par_iter().filter(moves);
+        Ok(vertices.map(|v| arcs.iter().map(|y| y[v] * self.scale).collect()).collect())
+    }
+}
+
+/// Half way between steps `k` and `k + 1` of `steps`, by the cubic through the four nearest.
+fn midpoint(steps: usize, k: usize, y: impl Fn(usize) -> Vec3) -> Vec3 {
+    if steps < 3 {
+        return (y(k) + y(k + 1)) * 0.5;
+    }
+    let (first, weights) = match k {
+        0 => (0, [5.0, 15.0, -5.0, 1.0]),
+        _ if k + 1 == steps => (k - 2, [1.0, -5.0, 15.0, 5.0]),
+        _ => (k - 1, [-1.0, 9.0, 9.0, -1.0]),
+    };
+    (0..4).map(|i| y(first + i) * weights[i]).sum::<Vec3>() / 16.0
+}
+
+/// A track on the grid.
+fn refined(track: &Track) -> Track {
+    let mut fine = track.clone();
+    while fine.len() <= GRID {
+        let steps = fine.len() - 1;
+        let between: Vec<Vec3> = (0..steps).map(|k| midpoint(steps, k, |i| fine[i])).collect();
+        fine = (0..=2 * steps).map(|i| if i % 2 == 0 { fine[i / 2] } else { between[i / 2] }).collect();
+    }
+    fine
+}
+
+/// Squared distance at grid time `s` between the track and its chord from `a` to `b`.
+fn error_squared(track: &Track, a: usize, b: usize, s: usize) -> f64 {
+    let share = (s - a) as f64 / (b - a) as f64;
+    track[a].lerp(track[b], share).distance_squared(track[s])
+}
+
+/// The fewest keys, as grid times, that keep `tracks` within `tolerance`; `None` if more than `most`.
+fn fewest(tracks: &[Track], tolerance: f64, most: usize, job: &Job) -> Result<Option<Vec<usize>>> {
+    let limit = tolerance * tolerance;
+    let good = |a: usize, b: usize, s: usize| tracks.iter().all(|y| error_squared(y, a, b, s) <= limit);
+    // The middle first: where a chord is too long, it shows there.
+    let fits = |a: usize, b: usize| good(a, b, a.midpoint(b)) && (a + 1..b).all(|s| good(a, b, s));
+
+    let mut from = vec![None; GRID + 1];
+    let mut level = vec![0];
+    for _ in 1..most {
+        job.check()?;
+        let reached: Vec<(usize, usize)> = (1..=GRID)
+            .into_par_iter()
+            .filter(|&b| from[b].is_none())
+            .filter_map(|b| level.iter().find(|&&a| a < b && fits(a, b)).map(|&a| (a, b)))
+            .collect();
+        for &(a, b) in &reached {
+            from[b] = Some(a);
+        }
+        if from[GRID].is_some() {
+            let mut keys = vec![GRID];
+            while let Some(a) = from[keys[keys.len() - 1]] {
+                keys.push(a);
+            }
+            keys.reverse();
+            return Ok(Some(keys));
+        }
+        level = reached.into_iter().map(|(_, b)| b).collect();
+    }
+    Ok(None)
+}
+
+/// The choice of `count` keys whose largest error over `tracks` is least, and that error, both
+/// to within [`EVENNESS`].
+fn evenly(tracks: &[Track], count: usize, job: &Job) -> Result<(Vec<usize>, f64)> {
+    let chord = tracks.iter().flat_map(|y| (1..GRID).map(|s| error_squared(y, 0, GRID, s)));
+    let straight = chord.fold(0.0, f64::max).sqrt();
+    let (mut low, mut high) = (0.0, straight);
+    let mut best = vec![0, GRID];
+    while high > low * (1.0 + EVENNESS) && high > NOTHING * straight {
+        // Errors fall by powers as keys are added: halve the exponent, once it is known from where.
+        let middle = if low > 0.0 { f64::sqrt(low * high) } else { high / 4.0 };
+        match fewest(tracks, middle, count, job)? {
+            Some(keys) => (best, high) = (keys, middle),
+            None => low = middle,
+        }
+    }
+    Ok((best, high))
+}
+
+/// The largest error of each segment, and the track that has it.
+fn worst(tracks: &[Track], keys: &[usize]) -> Vec<(f64, usize)> {
+    let none = || vec![(0.0, 0); keys.len() - 1];
+    let larger = |a: (f64, usize), b: (f64, usize)| if b.0 > a.0 { b } else { a };
+    let errors = tracks.par_iter().enumerate().fold(none, |mut errors, (i, track)| {
+        let track = refined(track);
+        for (error, key) in errors.iter_mut().zip(keys.windows(2)) {
+            let here = (key[0] + 1..key[1]).map(|s| error_squared(&track, key[0], key[1], s));
+            *error = larger(*error, (here.fold(0.0, f64::max), i));
+        }
+        errors
+    });
+    let all = errors.reduce(none, |a, b| a.into_iter().zip(b).map(|(a, b)| larger(a, b)).collect());
+    all.into_iter().map(|(squared, i)| (squared.sqrt(), i)).collect()
+}

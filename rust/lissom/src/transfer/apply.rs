@@ -1,0 +1,231 @@
+//! Apply: carry the source's keys over to the target.
+//!
+//! ```text
+//!     min_x  sum_t  w_t | grad_t x - C_t (I - n n^T) |^2
+//! ```
+//!
+//! with `C_t` from the matched source triangles ([`super::choose`]), solved by the stitcher, all keys
+//! and coordinates as right-hand sides of one factorization; then every component is put in its
+//! place ([`super::place`]). Displacements are solved for, so a key that moves nothing moves nothing.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::choose::{Chooser, SourceKey};
+use super::place::Placer;
+use crate::linear::{Columns, Constraints, SymmetricMatrix};
+use crate::stitch::Stitcher;
+use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
+
+/// Keys solved together, between two looks at the job.
+const KEYS_AT_ONCE: usize = 8;
+
+/// Triangles below this fraction of the mean area count as having it, where weights are per pair.
+const LEAST_AREA: f64 = 1e-3;
+
+/// What a component of the target does that no source triangle is matched with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Unmatched {
+    /// It follows the nearest matched surface of the target, rigidly.
+    #[default]
+    Follow,
+    /// It stays at rest.
+    Rest,
+}
+
+/// How much each target triangle counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Weighting {
+    /// Each pair the same, as Sumner & Popović (2004) sum them: `w_t` is the number of matches.
+    #[default]
+    Pairs,
+    /// Each triangle by its area, so that the result does not depend on how finely either mesh is cut.
+    Area,
+}
+
+/// What a transfer may be told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TransferOptions {
+    /// What components without a match do.
+    pub unmatched: Unmatched,
+    /// How much each target triangle counts.
+    pub weighting: Weighting,
+}
+
+/// A prepared transfer from one mesh to another: everything that does not depend on the key.
+pub struct Transfer {
+    source: Arc<Mesh>,
+    target: Arc<Mesh>,
+    chooser: Chooser,
+    placer: Placer,
+    stitcher: Stitcher,
+    /// `w_t` over the area of the triangle.
+    weights: Vec<f64>,
+    warnings: Vec<String>,
+}
+
+impl Transfer {
+    /// Prepares to carry shapes from `source` to `target`, whose triangles belong together as `pairs`
+    /// says: source triangle and target triangle, as the input of the meshes counts them.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidConstraint`] for no pairs or indices out of range, [`Error::SolveFailed`],
+    /// [`Error::Cancelled`].
+    pub fn new(
+        source: Arc<Mesh>,
+        target: Arc<Mesh>,
+        pairs: &[[u32; 2]],
+        options: TransferOptions,
+        job: &Job,
+    ) -> Result<Self> {
+        job.report(0.0, "prepare");
+        let pairs = triangles_in_use(&source, &target, pairs)?;
+        let chooser = Chooser::new(&target, &pairs)?;
+        job.check()?;
+        let weights = weights(&target, &chooser, options.weighting);
+        let matrix = weighted_laplacian(&target, &weights);
+        // One vertex of each component is held, which fixes its translation until it is placed.
+        let mut held: Vec<bool> =
+            (0..target.vertices().len()).map(|v| target.components().of_vertex(v).is_none()).collect();
+        for members in target.components().members() {
+            held[members[0] as usize] = true;
+        }
+        let stitcher = Stitcher::with_matrix(&target, &matrix, Constraints::hard(held.len(), |v| held[v]))?;
+        job.check()?;
+        let placer = Placer::new(&source, &target, &matrix, &chooser, options.unmatched);
+        let policy = match options.unmatched {
+            Unmatched::Follow => "they follow the nearest matched surface rigidly",
+            Unmatched::Rest => "they stay at rest",
+        };
+        let problem = format!("components of the target without a match; {policy}");
+        let fault = Fault::at("pairs", problem, placer.unmatched());
+        let warnings = fault.map(|fault| fault.to_string()).into_iter().collect();
+        job.report(1.0, "prepare");
+        Ok(Self { source, target, chooser, placer, stitcher, weights, warnings })
+    }
+
+    /// What is doubtful about the matches.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// The mesh that keys come from.
+    pub fn source(&self) -> &Arc<Mesh> {
+        &self.source
+    }
+
+    /// The mesh that keys go to.
+    pub fn target(&self) -> &Arc<Mesh> {
+        &self.target
+    }
+
+    /// Carries `poses` over: (k) sets of source positions in the source's units become (k) sets of
+    /// target positions in the target's units.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidValue`] for poses of another size than the source or with values that are not
+    /// finite, [`Error::SolveFailed`] where the result is out of range, [`Error::Cancelled`].
+    pub fn apply(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<Vec<Vec<Vec3>>> {
+        self.check(poses)?;
+        let mut results = Vec::with_capacity(poses.len());
+        for block in poses.chunks(KEYS_AT_ONCE) {
+            job.report(results.len() as f64 / poses.len() as f64, "transfer");
+            job.check()?;
+            results.extend(self.apply_block(block, job)?);
+        }
+        job.report(1.0, "transfer");
+        Ok(results)
+    }
+
+    fn check(&self, poses: &[Vec<Vec3>]) -> Result<()> {
+        let n = self.source.vertices().len();
+        for (k, pose) in poses.iter().enumerate() {
+            let fault = if pose.len() == n {
+                let bad = pose.iter().enumerate().filter(|(_, p)| !p.is_finite()).map(|(v, _)| v);
+                Fault::at(format!("poses[{k}]"), "not finite", bad)
+            } else {
+                let problem = format!("has {} vertices, the source has {n}", pose.len());
+                Some(Fault::new(format!("poses[{k}]"), problem))
+            };
+            if let Some(fault) = fault {
+                return Err(Error::InvalidValue(fault));
+            }
+        }
+        Ok(())
+    }
+
+    fn apply_block(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<Vec<Vec<Vec3>>> {
+        let keys: Vec<SourceKey> = poses.par_iter().map(|pose| SourceKey::of(&self.source, pose)).collect();
+        let weigh = |(change, &weight): (Mat3, &f64)| Mat3::IDENTITY + change * weight;
+        let targets: Vec<Vec<Mat3>> = keys
+            .par_iter()
+            .map(|key| self.chooser.changes(key).into_iter().zip(&self.weights).map(weigh).collect())
+            .collect();
+        job.check()?;
+        let mut block = Columns::zeros(self.target.vertices().len(), 3 * poses.len());
+        self.stitcher.solve_block(&self.target, &targets, &mut block);
+        job.check()?;
+        keys.par_iter().enumerate().map(|(k, key)| self.finish(key, block.vectors(k))).collect()
+    }
+
+    /// From displacements in unit coordinates, up to a translation, to positions.
+    fn finish(&self, key: &SourceKey, mut displacements: Vec<Vec3>) -> Result<Vec<Vec3>> {
+        self.placer.place(&self.target, &self.chooser, key, &mut displacements);
+        let scale = self.target.frame().scale;
+        let positions: Vec<Vec3> =
+            self.target.vertices().iter().zip(displacements).map(|(&v, d)| v + d * scale).collect();
+        if positions.iter().all(|p| p.is_finite()) {
+            Ok(positions)
+        } else {
+            Err(Error::SolveFailed("the result is beyond the range of floating point numbers".into()))
+        }
+    }
+}
+
+/// `pairs` in terms of the triangles in use; those that the meshes left out have no part in it.
+fn triangles_in_use(source: &Mesh, target: &Mesh, pairs: &[[u32; 2]]) -> Result<Vec<[u32; 2]>> {
+    let mut places = [Vec::new(), Vec::new()];
+    for (side, (name, mesh)) in [("source", source), ("target", target)].into_iter().enumerate() {
+        let m = mesh.input_triangles();
+        let outside = (0..pairs.len()).filter(|&i| pairs[i][side] as usize >= m);
+        let problem = format!("{name} triangle out of range, the mesh has {m}");
+        if let Some(fault) = Fault::at("pairs", problem, outside) {
+            return Err(Error::InvalidConstraint(fault));
+        }
+        places[side] = vec![None; m];
+        for (place, &id) in (0u32..).zip(mesh.triangle_ids()) {
+            places[side][id as usize] = Some(place);
+        }
+    }
+    let place = |pair: &[u32; 2]| Some([places[0][pair[0] as usize]?, places[1][pair[1] as usize]?]);
+    let used: Vec<[u32; 2]> = pairs.iter().filter_map(place).collect();
+    if used.is_empty() {
+        let fault = Fault::new("pairs", "no source triangle is matched with a target triangle");
+        return Err(Error::InvalidConstraint(fault));
+    }
+    Ok(used)
+}
+
+/// `w_t` over the area of each triangle, as the stitcher already weighs by area.
+fn weights(target: &Mesh, chooser: &Chooser, weighting: Weighting) -> Vec<f64> {
+    let areas = target.areas();
+    let mean = areas.iter().sum::<f64>() / areas.len() as f64;
+    let per_pair = |(t, &area): (usize, &f64)| {
+        chooser.matches(t).len().max(1) as f64 * mean / area.max(LEAST_AREA * mean)
+    };
+    match weighting {
+        Weighting::Area => vec![1.0; areas.len()],
+        Weighting::Pairs => areas.iter().enumerate().map(per_pair).collect(),
+    }
+}
+
+/// The cotangent Laplacian with the share of each triangle multiplied by its weight.
+fn weighted_laplacian(mesh: &Mesh, weights: &[f64]) -> SymmetricMatrix {
+    let edges = mesh.triangles().iter().zip(mesh.half_cotangents()).zip(weights).flat_map(
+        |((&[a, b, c], w), &weight)| [(b, c, w[0] * weight), (c, a, w[1] * weight), (a, b, w[2] * weight)],
+    );
+    SymmetricMatrix::laplacian(mesh.vertices().len(), edges)
+}

@@ -1,0 +1,155 @@
+//! Closest compatible point: the nearest point of a surface whose normal agrees.
+//!
+//! Two points are *compatible* when the angle between their normals is below 90 degrees (Sumner &
+//! Popović 2004, section 4.2), which keeps the two sides of an ear or a lip apart.
+
+use parry3d_f64::bounding_volume::Aabb;
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
+use parry3d_f64::query::PointQuery;
+use parry3d_f64::shape::Triangle;
+
+use crate::mesh::geometry::normal_and_area;
+use crate::{Mesh, Vec3};
+
+/// Triangles in a bounding volume hierarchy.
+pub struct Surface {
+    tree: Bvh,
+    corners: Vec<[Vec3; 3]>,
+    normals: Vec<Vec3>,
+}
+
+/// What a query found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// The triangle, as the surface counts them.
+    pub triangle: usize,
+    /// The point on it.
+    pub point: Vec3,
+    /// How far that is from the point asked for.
+    pub distance: f64,
+}
+
+impl Surface {
+    /// A surface of triangles, given by their corners.
+    pub fn new(corners: Vec<[Vec3; 3]>) -> Self {
+        let boxes: Vec<Aabb> =
+            corners.iter().map(|&[a, b, c]| Aabb::new(a.min(b).min(c), a.max(b).max(c))).collect();
+        let normals = corners.iter().map(|&t| normal_and_area(t).0).collect();
+        Self { tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes), corners, normals }
+    }
+
+    /// The surface of `mesh` with its vertices at `positions`.
+    pub fn of(mesh: &Mesh, positions: &[Vec3]) -> Self {
+        Self::new(mesh.triangles().iter().map(|t| t.map(|v| positions[v as usize])).collect())
+    }
+
+    /// Unit normals of the triangles.
+    pub fn normals(&self) -> &[Vec3] {
+        &self.normals
+    }
+
+    /// The centre of a triangle.
+    pub fn centroid(&self, triangle: usize) -> Vec3 {
+        let [a, b, c] = self.corners[triangle];
+        (a + b + c) / 3.0
+    }
+
+    /// The nearest point of all; `None` for a surface without triangles or a point that is not finite.
+    pub fn closest_point(&self, point: Vec3) -> Option<Hit> {
+        self.nearest(point, f64::INFINITY, |t| Some(self.project(t, point)))
+    }
+
+    /// The nearest point where the surface faces the way of `normal`; `None` where nothing does.
+    pub fn closest_compatible_point(&self, point: Vec3, normal: Vec3) -> Option<Hit> {
+        self.nearest(point, f64::INFINITY, |t| self.compatible(t, normal).then(|| self.project(t, point)))
+    }
+
+    /// The triangle with the nearest centroid among those that face the way of `normal` and lie
+    /// within `reach`.
+    pub fn closest_compatible_centroid(&self, point: Vec3, normal: Vec3, reach: f64) -> Option<Hit> {
+        self.nearest(point, reach, |t| self.compatible(t, normal).then(|| self.centroid(t)))
+    }
+
+    fn compatible(&self, triangle: usize, normal: Vec3) -> bool {
+        self.normals[triangle].dot(normal) > 0.0
+    }
+
+    fn project(&self, triangle: usize, point: Vec3) -> Vec3 {
+        let [a, b, c] = self.corners[triangle];
+        Triangle::new(a, b, c).project_local_point(point, true).point
+    }
+
+    /// Best-first search for the least distance to `candidate(triangle)`, a point of that triangle.
+    fn nearest(&self, point: Vec3, reach: f64, candidate: impl Fn(usize) -> Option<Vec3>) -> Option<Hit> {
+        let to_box = |node: &BvhNode, _| {
+            let outside = (node.mins() - point).max(point - node.maxs()).max(Vec3::ZERO);
+            outside.length_squared()
+        };
+        let to_triangle =
+            |t: u32, _| candidate(t as usize).map(|found| (found.distance_squared(point), found));
+        let (t, (squared, found)) = self.tree.find_best(reach * reach, to_box, to_triangle)?;
+        Some(Hit { triangle: t as usize, point: found, distance: squared.sqrt() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two parallel squares that face away from each other, 0.1 apart.
+    fn sheet() -> Surface {
+        let at = |x: f64, y: f64, z: f64| Vec3::new(x, y, z);
+        Surface::new(vec![
+            [at(0.0, 0.0, 0.1), at(1.0, 0.0, 0.1), at(1.0, 1.0, 0.1)],
+            [at(0.0, 0.0, 0.1), at(1.0, 1.0, 0.1), at(0.0, 1.0, 0.1)],
+            [at(0.0, 0.0, 0.0), at(1.0, 1.0, 0.0), at(1.0, 0.0, 0.0)],
+            [at(0.0, 0.0, 0.0), at(0.0, 1.0, 0.0), at(1.0, 1.0, 0.0)],
+        ])
+    }
+
+    #[test]
+    fn the_side_is_chosen_by_the_normal_not_by_the_distance() {
+        let point = Vec3::new(0.7, 0.2, 0.2);
+        let hit = sheet().closest_compatible_point(point, Vec3::new(0.1, 0.0, 1.0)).unwrap();
+        assert_eq!((hit.triangle, hit.point), (0, Vec3::new(0.7, 0.2, 0.1)));
+        let hit = sheet().closest_compatible_point(point, Vec3::new(0.1, 0.0, -1.0)).unwrap();
+        assert_eq!((hit.triangle, hit.point), (2, Vec3::new(0.7, 0.2, 0.0)));
+        assert!(sheet().closest_compatible_point(point, Vec3::X).is_none());
+        assert_eq!(sheet().closest_point(point).unwrap().triangle, 0);
+    }
+
+    #[test]
+    fn centroids_are_found_within_reach_only() {
+        let point = Vec3::new(2.0 / 3.0, 1.0 / 3.0, 0.3);
+        let hit = sheet().closest_compatible_centroid(point, Vec3::Z, 0.21).unwrap();
+        assert_eq!(hit.triangle, 0);
+        assert!((hit.distance - 0.2).abs() < 1e-12);
+        assert!(sheet().closest_compatible_centroid(point, Vec3::Z, 0.19).is_none());
+    }
+
+    #[test]
+    fn a_search_of_the_tree_equals_a_search_of_the_list() {
+        let mut state = 1u64;
+        let mut next = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let mut vector = || Vec3::new(next(), next(), next());
+        let corners: Vec<[Vec3; 3]> = (0..300)
+            .map(|_| {
+                let at = vector();
+                [at, at + vector() * 0.1, at + vector() * 0.1]
+            })
+            .collect();
+        let surface = Surface::new(corners);
+        for _ in 0..200 {
+            let (point, normal) = (vector() * 2.0 - 0.5, vector() - 0.5);
+            let hit = surface.closest_compatible_point(point, normal).unwrap();
+            let listed = (0..300)
+                .filter(|&t| surface.normals[t].dot(normal) > 0.0)
+                .map(|t| surface.project(t, point).distance(point))
+                .fold(f64::INFINITY, f64::min);
+            assert_eq!(hit.distance, listed);
+        }
+    }
+}

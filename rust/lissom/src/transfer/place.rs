@@ -1,0 +1,273 @@
+//! Place: the translation that stitching leaves open, one connected component at a time.
+//!
+//! * Vertices whose matches do not move stay put exactly. Stitching lets them drift a little, since
+//!   targets rarely fit together; the drift is taken out, and smoothed over a few rings around them
+//!   by the same Laplacian, so that no step shows.
+//! * A component without such a vertex follows the centroid of its matches: the displacement of the
+//!   matched source triangles, times the size of the component over that of its matches.
+//! * A component without any match follows the nearest matched surface rigidly, or stays.
+
+use std::collections::VecDeque;
+
+use super::apply::Unmatched;
+use super::carry::Carry;
+use super::choose::{Chooser, SourceKey};
+use super::closest::Surface;
+use crate::linear::SymmetricMatrix;
+use crate::{Mesh, Vec3};
+
+/// Rings around the vertices at rest over which their drift is smoothed out.
+const RINGS: u32 = 8;
+
+/// The drift is smoothed to this fraction, or for this many iterations of conjugate gradients.
+const SMOOTH: f64 = 1e-3;
+const ITERATIONS: usize = 40;
+
+/// What is needed to place the components of a target.
+pub struct Placer {
+    parts: Vec<Part>,
+    /// Full rows of the stitching matrix, for the smoothing.
+    start: Vec<u32>,
+    row: Vec<(u32, f64)>,
+}
+
+struct Part {
+    vertices: Vec<u32>,
+    triangles: Vec<u32>,
+    /// Size of the component over the size of its matches, both in unit coordinates.
+    size: f64,
+    /// For a component without matches: the vertices of the nearest matched surface.
+    beside: Option<Vec<u32>>,
+}
+
+impl Placer {
+    /// Prepares the components of `target`, whose stitching matrix is `matrix`.
+    pub fn new(
+        source: &Mesh,
+        target: &Mesh,
+        matrix: &SymmetricMatrix,
+        chooser: &Chooser,
+        unmatched: Unmatched,
+    ) -> Self {
+        let n = target.vertices().len();
+        let mut rows = vec![Vec::new(); n];
+        for (i, j, value) in matrix.entries() {
+            rows[i as usize].push((j, value));
+            if i != j {
+                rows[j as usize].push((i, value));
+            }
+        }
+        let mut start = vec![0u32];
+        start.extend(rows.iter().scan(0u32, |sum, row| {
+            *sum += row.len() as u32;
+            Some(*sum)
+        }));
+        let mut parts: Vec<Part> = target
+            .components()
+            .members()
+            .into_iter()
+            .map(|vertices| Part { vertices, triangles: Vec::new(), size: 1.0, beside: None })
+            .collect();
+        for (t, corners) in (0u32..).zip(target.triangles()) {
+            if let Some(part) = target.components().of_vertex(corners[0] as usize) {
+                parts[part].triangles.push(t);
+            }
+        }
+        for part in &mut parts {
+            part.size = part.size_ratio(source, target, chooser);
+        }
+        let mut placer = Self { parts, start, row: rows.into_iter().flatten().collect() };
+        placer.find_neighbours(target, chooser, unmatched);
+        placer
+    }
+
+    /// Components without a match, by number.
+    pub fn unmatched(&self) -> impl Iterator<Item = usize> {
+        self.parts.iter().enumerate().filter(|(_, part)| part.beside.is_some()).map(|(c, _)| c)
+    }
+
+    fn find_neighbours(&mut self, target: &Mesh, chooser: &Chooser, unmatched: Unmatched) {
+        let has_match = |part: &Part| part.triangles.iter().any(|&t| !chooser.matches(t as usize).is_empty());
+        let corners = |t: &u32| target.triangles()[*t as usize];
+        let matched: Vec<[u32; 3]> = self
+            .parts
+            .iter()
+            .filter(|p| has_match(p))
+            .flat_map(|p| p.triangles.iter().map(corners))
+            .collect();
+        let surface = Surface::new(matched.iter().map(|t| t.map(|v| target.rest()[v as usize])).collect());
+        for part in self.parts.iter_mut().filter(|part| !has_match(part)) {
+            let mut beside = Vec::new();
+            if unmatched == Unmatched::Follow {
+                let nearest = |&v: &u32| surface.closest_point(target.rest()[v as usize]);
+                beside =
+                    part.vertices.iter().filter_map(nearest).flat_map(|hit| matched[hit.triangle]).collect();
+                beside.sort_unstable();
+                beside.dedup();
+            }
+            part.beside = Some(beside);
+        }
+    }
+
+    /// Fixes the translations of `displacements`, which stitching has found up to one per component.
+    pub fn place(&self, target: &Mesh, chooser: &Chooser, key: &SourceKey, displacements: &mut [Vec3]) {
+        let moves = chooser.moves(key);
+        let mut at_rest = vec![false; displacements.len()];
+        for part in self.parts.iter().filter(|part| part.beside.is_none()) {
+            for &v in &part.vertices {
+                let corners = target.adjacency().corners_of(v as usize);
+                at_rest[v as usize] = corners.iter().all(|c| !moves[c.triangle as usize]);
+            }
+            let still: Vec<u32> = part.vertices.iter().copied().filter(|&v| at_rest[v as usize]).collect();
+            let shift = if still.is_empty() {
+                part.centroid_shift(target, chooser, key, displacements)
+            } else {
+                still.iter().map(|&v| -displacements[v as usize]).sum::<Vec3>() / still.len() as f64
+            };
+            for &v in &part.vertices {
+                displacements[v as usize] += shift;
+            }
+            self.settle(&still, &at_rest, displacements);
+        }
+        for part in &self.parts {
+            if let Some(beside) = &part.beside {
+                part.follow(target, beside, displacements);
+            }
+        }
+    }
+
+    /// Puts the vertices at rest exactly there and smooths what that does to their surroundings:
+    /// solves `L z = 0` for the correction `z` on a few rings, given on both of their rims.
+    fn settle(&self, still: &[u32], at_rest: &[bool], displacements: &mut [Vec3]) {
+        let mut correction = vec![Vec3::ZERO; displacements.len()];
+        for &v in still {
+            correction[v as usize] = -displacements[v as usize];
+        }
+        let band = self.band(still, at_rest);
+        self.relax(&band, &mut correction);
+        for &v in &band {
+            displacements[v as usize] += correction[v as usize];
+        }
+        for &v in still {
+            displacements[v as usize] = Vec3::ZERO;
+        }
+    }
+
+    /// The vertices within [`RINGS`] of those at rest.
+    fn band(&self, still: &[u32], at_rest: &[bool]) -> Vec<u32> {
+        let mut seen = std::collections::HashSet::new();
+        let mut band = Vec::new();
+        let mut queue: VecDeque<(u32, u32)> = still.iter().map(|&v| (v, 0)).collect();
+        while let Some((v, ring)) = queue.pop_front() {
+            if ring == RINGS {
+                continue;
+            }
+            for &(w, _) in self.row(v) {
+                if !at_rest[w as usize] && seen.insert(w) {
+                    band.push(w);
+                    queue.push_back((w, ring + 1));
+                }
+            }
+        }
+        band
+    }
+
+    fn row(&self, v: u32) -> &[(u32, f64)] {
+        &self.row[self.start[v as usize] as usize..self.start[v as usize + 1] as usize]
+    }
+
+    /// Conjugate gradients with Jacobi's preconditioner for `(L z)_v = 0` at every `v` of the band.
+    fn relax(&self, band: &[u32], z: &mut [Vec3]) {
+        let product =
+            |z: &[Vec3], v: u32| self.row(v).iter().fold(Vec3::ZERO, |sum, &(w, l)| sum + z[w as usize] * l);
+        let dot = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
+        let diagonal: Vec<f64> = band
+            .iter()
+            .map(|&v| {
+                self.row(v).iter().find(|(w, _)| *w == v).map_or(1.0, |(_, l)| l.max(f64::MIN_POSITIVE))
+            })
+            .collect();
+        let mut residual: Vec<Vec3> = band.iter().map(|&v| -product(z, v)).collect();
+        let precondition =
+            |r: &[Vec3]| -> Vec<Vec3> { r.iter().zip(&diagonal).map(|(&r, &d)| r / d).collect() };
+        let mut preconditioned = precondition(&residual);
+        let mut energy = dot(&residual, &preconditioned);
+        let enough = energy * SMOOTH * SMOOTH;
+        let mut direction = vec![Vec3::ZERO; z.len()];
+        for (&v, &p) in band.iter().zip(&preconditioned) {
+            direction[v as usize] = p;
+        }
+        for _ in 0..ITERATIONS {
+            if energy <= enough || energy == 0.0 {
+                break;
+            }
+            let image: Vec<Vec3> = band.iter().map(|&v| product(&direction, v)).collect();
+            let along: f64 = band.iter().zip(&image).map(|(&v, q)| direction[v as usize].dot(*q)).sum();
+            if along <= 0.0 {
+                break;
+            }
+            let step = energy / along;
+            for ((&v, r), q) in band.iter().zip(&mut residual).zip(&image) {
+                z[v as usize] += direction[v as usize] * step;
+                *r -= *q * step;
+            }
+            preconditioned = precondition(&residual);
+            let next = dot(&residual, &preconditioned);
+            for (&v, &p) in band.iter().zip(&preconditioned) {
+                direction[v as usize] = p + direction[v as usize] * (next / energy);
+            }
+            energy = next;
+        }
+    }
+}
+
+impl Part {
+    /// Root mean square spread of the matched triangles' centroids on the target over that of their
+    /// matches; 1 where there is no spread.
+    fn size_ratio(&self, source: &Mesh, target: &Mesh, chooser: &Chooser) -> f64 {
+        let centroid = |mesh: &Mesh, t: u32| {
+            mesh.triangles()[t as usize].iter().map(|&v| mesh.rest()[v as usize]).sum::<Vec3>() / 3.0
+        };
+        let matched =
+            || self.triangles.iter().flat_map(|&t| chooser.matches(t as usize).iter().map(move |&s| (s, t)));
+        let spread = |at: &dyn Fn((u32, u32)) -> Vec3| {
+            let (mut sum, mut squares, mut count) = (Vec3::ZERO, 0.0, 0.0);
+            for pair in matched() {
+                let p = at(pair);
+                (sum, squares, count) = (sum + p, squares + p.length_squared(), count + 1.0);
+            }
+            (squares / count - (sum / count).length_squared()).max(0.0).sqrt()
+        };
+        let ratio = spread(&|(_, t)| centroid(target, t)) / spread(&|(s, _)| centroid(source, s));
+        if ratio.is_finite() && ratio > 1e-3 && ratio < 1e3 { ratio } else { 1.0 }
+    }
+
+    /// The shift that brings the mean displacement of the matched triangles to that of their matches.
+    fn centroid_shift(&self, target: &Mesh, chooser: &Chooser, key: &SourceKey, d: &[Vec3]) -> Vec3 {
+        let (mut sum, mut area) = (Vec3::ZERO, 0.0);
+        for &t in &self.triangles {
+            let matches = chooser.matches(t as usize);
+            if matches.is_empty() {
+                continue;
+            }
+            let wanted = matches.iter().map(|&s| key.shift[s as usize]).sum::<Vec3>() / matches.len() as f64;
+            let found = target.triangles()[t as usize].iter().map(|&v| d[v as usize]).sum::<Vec3>() / 3.0;
+            let weight = target.areas()[t as usize].max(f64::MIN_POSITIVE);
+            sum += (wanted * self.size - found) * weight;
+            area += weight;
+        }
+        sum / area
+    }
+
+    /// Moves the component rigidly with the vertices `beside` it.
+    fn follow(&self, target: &Mesh, beside: &[u32], displacements: &mut [Vec3]) {
+        let moves = beside.iter().any(|&v| displacements[v as usize] != Vec3::ZERO);
+        let from: Vec<Vec3> = beside.iter().map(|&v| target.rest()[v as usize]).collect();
+        let to: Vec<Vec3> = beside.iter().zip(&from).map(|(&v, &p)| p + displacements[v as usize]).collect();
+        let carry = Carry::rigid(&from, &to);
+        for &v in &self.vertices {
+            let rest = target.rest()[v as usize];
+            displacements[v as usize] = if moves { carry.apply(rest) - rest } else { Vec3::ZERO };
+        }
+    }
+}

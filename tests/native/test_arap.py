@@ -1,0 +1,185 @@
+"""ARAP: exactness, an independent dense implementation, and the survey's poses."""
+
+from itertools import pairwise
+
+import lissom
+import numpy as np
+import pytest
+from shapes import diagonal, moved, rigid, tube
+
+# Energies that libigl 2.6.3 (spokes and rims) has after 1000 iterations from the rest pose,
+# in the units of the data: what a converged solve must not exceed.
+SURVEY = {"bar": 78.206, "cactus": 0.0042867, "cylinder": 1.53800, "plane": 4.5853}
+
+
+def half_cotangents(v, f):
+    """Half the cotangent at each corner, straight from dot and cross products."""
+    weights = np.empty(f.shape)
+    for c in range(3):
+        a, b = v[f[:, (c + 1) % 3]] - v[f[:, c]], v[f[:, (c + 2) % 3]] - v[f[:, c]]
+        weights[:, c] = 0.5 * (a * b).sum(1) / np.linalg.norm(np.cross(a, b), axis=1)
+    return weights
+
+
+def cell_covariances(v, f, x):
+    """Covariance of each vertex's cell (spokes and rims) and the size of all edges, weighted."""
+    weights = half_cotangents(v, f)
+    triangles, size = np.zeros((len(f), 3, 3)), 0.0
+    for c in range(3):
+        j, k = f[:, (c + 1) % 3], f[:, (c + 2) % 3]
+        old, new, w = v[k] - v[j], x[k] - x[j], weights[:, c]
+        triangles += w[:, None, None] * new[:, :, None] * old[:, None, :]
+        size += 3 * (w * ((old**2).sum(1) + (new**2).sum(1))).sum()
+    cells = np.zeros((len(v), 3, 3))
+    for c in range(3):
+        np.add.at(cells, f[:, c], triangles)
+    return cells, size
+
+
+def best_rotations(cells):
+    u, s, vt = np.linalg.svd(cells)
+    sign = np.sign(np.linalg.det(u @ vt))
+    u[:, :, 2] *= sign[:, None]
+    s[:, 2] *= sign
+    return u @ vt, s.sum(1)
+
+
+def energy(v, f, x):
+    """The spokes-and-rims energy in the units of the data, independent of the core."""
+    cells, size = cell_covariances(v, f, x)
+    return size - 2 * best_rotations(cells)[1].sum()
+
+
+def dense_arap(v, f, given, x, iterations):
+    """Local/global by dense matrices."""
+    n = len(v)
+    laplacian = np.zeros((n, n))
+    weights = half_cotangents(v, f)
+    for c in range(3):
+        j, k = f[:, (c + 1) % 3], f[:, (c + 2) % 3]
+        for a, b in ((j, k), (k, j)):
+            np.add.at(laplacian, (a, b), -weights[:, c])
+            np.add.at(laplacian, (a, a), weights[:, c])
+    free = np.setdiff1d(np.arange(n), given)
+    inverse = np.linalg.inv(laplacian[np.ix_(free, free)])
+    for _ in range(iterations):
+        rotations = best_rotations(cell_covariances(v, f, x)[0])[0]
+        rhs = np.zeros((n, 3))
+        for c in range(3):
+            j, k = f[:, (c + 1) % 3], f[:, (c + 2) % 3]
+            edge = np.einsum("tij,tj->ti", rotations[f].mean(1), v[k] - v[j]) * weights[:, c, None]
+            np.add.at(rhs, k, edge)
+            np.add.at(rhs, j, -edge)
+        x = x.copy()
+        x[free] = inverse @ (rhs[free] - laplacian[np.ix_(free, given)] @ x[given])
+    return x
+
+
+def ends(vertices, share=0.1):
+    x = vertices[:, 0]
+    span = np.ptp(x)
+    return np.flatnonzero(x < x.min() + share * span), np.flatnonzero(x > x.max() - share * span)
+
+
+@pytest.mark.parametrize("by_points", [False, True])
+@pytest.mark.parametrize("angle", [0.0, 1.0, 2.9, 3.14159])
+def test_a_rigid_motion_of_all_handles_is_reproduced(angle, by_points):
+    vertices, faces = tube()
+    motion = rigid((1, 2, -1), angle, (3, -2, 0.5))
+    handles = ends(vertices)
+    pose = lissom.Pose(lissom.Mesh(vertices, faces), handles)
+    if by_points:
+        result = pose.solve_points(moved(motion, vertices[np.concatenate(handles)]))
+    else:
+        result = pose.solve([motion, motion])
+    assert np.abs(result.vertices - moved(motion, vertices)).max() < 1e-8 * diagonal(vertices)
+    assert result.report["converged"]
+
+
+def test_handles_of_single_points_reproduce_a_rigid_motion_together():
+    vertices, faces = tube()
+    motion = rigid((0, 1, 1), 2.0, (1, 0, 0))
+    corners = [[v] for v in (0, 8, 16, 2000, 2550)]
+    pose = lissom.Pose(lissom.Mesh(vertices, faces), corners)
+    result = pose.solve_points(moved(motion, vertices[np.concatenate(corners)]))
+    assert np.abs(result.vertices - moved(motion, vertices)).max() < 1e-8 * diagonal(vertices)
+
+
+def test_the_rest_pose_stays():
+    vertices, faces = tube()
+    pose = lissom.Pose(lissom.Mesh(vertices, faces), ends(vertices))
+    result = pose.solve([np.eye(4), np.eye(4)])
+    assert np.abs(result.vertices - vertices).max() < 1e-12
+    assert result.report["energy"] < 1e-14
+
+
+def test_handles_are_copied_exactly_and_all_outside_the_region_stays():
+    vertices, faces = tube()
+    _, high = ends(vertices)
+    roi = np.flatnonzero(vertices[:, 0] > 2.0)
+    motion = rigid((0, 0, 1), 0.7, (0.1, 0.2, 0.3))
+    result = lissom.Pose(lissom.Mesh(vertices, faces), [high], roi=roi).solve([motion])
+    outside = np.setdiff1d(np.arange(len(vertices)), roi)
+    assert np.array_equal(result.vertices[outside], vertices[outside])
+    assert np.allclose(result.vertices[high], moved(motion, vertices[high]), rtol=0, atol=1e-14)
+    assert np.abs(result.vertices[roi] - vertices[roi]).max() > 0.5
+
+
+def test_the_region_is_solved_as_if_the_rest_were_one_more_handle():
+    vertices, faces = tube()
+    _, high = ends(vertices)
+    outside = np.flatnonzero(vertices[:, 0] <= 2.0)
+    mesh = lissom.Mesh(vertices, faces)
+    motion = rigid((0, 0, 1), 1.2)
+    roi = np.flatnonzero(vertices[:, 0] > 2.0)
+    exact = {"tolerance": 1e-12, "max_iterations": 3000}
+    by_roi = lissom.Pose(mesh, [high], roi=roi).solve([motion], **exact)
+    by_handle = lissom.Pose(mesh, [high, outside]).solve([motion, np.eye(4)], **exact)
+    assert np.abs(by_roi.vertices - by_handle.vertices).max() < 1e-5 * diagonal(vertices)
+
+
+def test_agrees_with_a_dense_implementation():
+    vertices, faces = tube(rows=14, columns=10, bumps=0.1)
+    low, high = ends(vertices)
+    motion = rigid((0, 0, 1), 0.8, (0.2, 0.5, 0))
+    given = np.concatenate([low, high])
+    start = vertices.copy()
+    start[high] = moved(motion, vertices[high])
+    expected = dense_arap(vertices, faces, given, start, 5000)
+    pose = lissom.Pose(lissom.Mesh(vertices, faces), [low, high])
+    result = pose.solve([np.eye(4), motion], tolerance=1e-14, max_iterations=5000)
+    assert np.abs(result.vertices - expected).max() < 1e-5 * diagonal(vertices)
+    found = energy(vertices, faces, result.vertices)
+    assert found <= energy(vertices, faces, expected) * (1 + 1e-9)
+    assert np.isclose(found, result.report["energy"] * diagonal(vertices) ** 2, rtol=1e-9)
+
+
+def test_the_energy_never_rises_and_a_warm_start_goes_on():
+    vertices, faces = tube()
+    low, high = ends(vertices)
+    pose = lissom.Pose(lissom.Mesh(vertices, faces), [low, high])
+    goal = [np.eye(4), rigid((0, 1, 0), 2.0, (0, 1, -2))]
+    few = [pose.solve(goal, max_iterations=k, tolerance=0, warm_start=False) for k in (0, 1, 5, 20, 60)]
+    energies = [r.report["energy"] for r in few]
+    assert all(b <= a * (1 + 1e-12) for a, b in pairwise(energies))
+    again = pose.solve(goal, max_iterations=1, tolerance=0)
+    assert again.report["energy"] <= energies[-1] * (1 + 1e-12)
+
+
+def test_results_repeat_to_the_last_bit():
+    vertices, faces = tube()
+    goal = [np.eye(4), rigid((0, 1, 0), 2.0, (0, 1, -2))]
+    results = [
+        lissom.Pose(lissom.Mesh(vertices, faces), ends(vertices)).solve(goal).vertices for _ in range(2)
+    ]
+    assert np.array_equal(*results)
+
+
+@pytest.mark.parametrize("name", list(SURVEY))
+def test_survey(data, name):
+    archive = data("survey")
+    v, f, status = (archive[f"{name}_{part}"] for part in ("vertices", "faces", "status"))
+    handles = [np.flatnonzero(status == 0), np.flatnonzero(status == 2)]
+    pose = lissom.Pose(lissom.Mesh(v, f), handles)
+    result = pose.solve([np.eye(4), archive[f"{name}_transform"]], max_iterations=400)
+    assert energy(v, f, result.vertices) <= SURVEY[name]

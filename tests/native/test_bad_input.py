@@ -1,0 +1,285 @@
+"""What each bad input gets; the numbers are those of the table in ARCHITECTURE.md."""
+
+import lissom
+import numpy as np
+import pytest
+from shapes import rigid, tube
+
+VERTICES, FACES = tube(rows=24, columns=16)
+N = len(VERTICES)
+LOW, HIGH = np.arange(16), np.arange(N - 16, N)
+
+
+def mesh(vertices=VERTICES, faces=FACES):
+    return lissom.Mesh(vertices, faces)
+
+
+def pose(handles=(LOW, HIGH), m=None, **options):
+    return lissom.Pose(m or mesh(), list(handles), **options)
+
+
+def bent(p, angle=0.9):
+    return p.solve([np.eye(4), rigid((0, 0, 1), angle, (0, 1, 0))], warm_start=False)
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "text"),
+    [
+        (np.zeros((0, 3)), np.zeros((0, 3), int), "no vertices"),
+        (VERTICES, np.zeros((0, 3), int), "no faces"),
+        ([], [], "expected shape"),
+    ],
+)
+def test_row_01_empty(vertices, faces, text):
+    with pytest.raises((lissom.InvalidMesh, ValueError), match=text):
+        mesh(vertices, faces)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_row_02_vertices_that_are_not_finite(value):
+    broken = VERTICES.copy()
+    broken[[5, 9, 17], 1] = value
+    with pytest.raises(lissom.InvalidMesh, match=r"vertices: not finite \(at 5, 9, 17; 3 in all\)") as caught:
+        mesh(broken)
+    assert caught.value.argument == "vertices"
+    assert (caught.value.indices, caught.value.count) == ([5, 9, 17], 3)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_row_03_targets_and_matrices_that_are_not_finite(value):
+    p = pose()
+    before = bent(p).vertices
+    matrix = np.eye(4)
+    matrix[0, 3] = value
+    with pytest.raises(lissom.InvalidConstraint, match=r"transforms: not finite \(at 1; 1 in all\)"):
+        p.solve([np.eye(4), matrix])
+    targets = VERTICES[np.concatenate([LOW, HIGH])]
+    targets[3, 0] = value
+    with pytest.raises(lissom.InvalidConstraint, match=r"targets: not finite \(at 3; 1 in all\)"):
+        p.solve_points(targets)
+    with pytest.raises(lissom.InvalidValue, match="tolerance"):
+        p.solve([np.eye(4)] * 2, tolerance=np.nan)
+    assert np.array_equal(bent(p).vertices, before), "the bound pose outlives the error"
+
+
+def test_row_03_matrices_that_are_not_affine():
+    with pytest.raises(lissom.InvalidConstraint, match="not affine"):
+        pose().solve([np.eye(4), np.ones((4, 4))])
+
+
+@pytest.mark.parametrize(("scale", "offset"), [(1e-6, 0), (1e20, 0), (1.0, 1e6), (1e-6, 1e-3)])
+def test_row_04_and_05_huge_and_tiny_coordinates(scale, offset):
+    reference = bent(pose()).vertices
+    there = VERTICES * scale + offset
+    shift = np.eye(4)
+    shift[:3, 3] = offset
+    motion = rigid((0, 0, 1), 0.9, (0, scale, 0))
+    motion = shift @ motion @ np.linalg.inv(shift)
+    result = pose(m=mesh(there)).solve([np.eye(4), motion])
+    rounding = 1e-6 + 1e-13 * abs(offset) / scale
+    assert np.abs((result.vertices - offset) / scale - reference).max() < 20 * rounding
+
+
+def test_row_04_overflow_on_the_way_out():
+    far = np.eye(4)
+    far[0, 3] = 1.7e308
+    with pytest.raises(lissom.SolveFailed, match="overflow"):
+        pose(m=mesh(VERTICES * 1e307)).solve([np.eye(4), far])
+
+
+@pytest.mark.parametrize("points", [np.ones((N, 3)), VERTICES * [1, 0, 0], VERTICES[:, :1] * [1, 2, 3] + 5])
+def test_row_06_coincident_and_collinear_points(points):
+    with pytest.raises(lissom.InvalidMesh, match=r"coincide|one line"):
+        mesh(points)
+
+
+def test_row_07_slivers():
+    flat = VERTICES.copy()
+    flat[200] = 0.5 * (flat[201] + flat[199])
+    flat[201] = flat[200]
+    m = mesh(flat)
+    assert any("mollified" in w for w in m.warnings)
+    assert np.isfinite(bent(pose(m=m)).vertices).all()
+    rigidly = pose(m=m).solve([rigid((1, 1, 0), 2.0)] * 2).vertices
+    assert np.abs(rigidly - flat @ rigid((1, 1, 0), 2.0)[:3, :3].T).max() < 1e-8
+
+
+def test_row_08_faces_that_repeat_a_vertex():
+    faces = np.concatenate([[[1, 1, 2], [4, 5, 4]], FACES])
+    m = mesh(faces=faces)
+    assert any("repeat a vertex (at 0, 1; 2 in all)" in w for w in m.warnings)
+    assert np.array_equal(bent(pose(m=m)).vertices, bent(pose()).vertices)
+    with pytest.raises(lissom.InvalidMesh, match="every face"):
+        mesh(faces=[[1, 1, 2]])
+
+
+@pytest.mark.parametrize("index", [N, -1, 2**31, 2**40])
+def test_row_09_indices_out_of_range(index):
+    faces = FACES.copy().astype(np.int64)
+    faces[7, 2] = index
+    with pytest.raises(lissom.InvalidMesh, match=r"triangles: .* \(at 7; 1 in all\)"):
+        mesh(faces=faces)
+    with pytest.raises(lissom.InvalidConstraint, match="handles"):
+        pose([LOW, [index]])
+    with pytest.raises(lissom.InvalidConstraint, match="roi"):
+        pose(roi=[index])
+
+
+def test_row_10_duplicate_faces():
+    m = mesh(faces=np.concatenate([FACES, FACES[3:5]]))
+    assert any("again" in w and "2 in all" in w for w in m.warnings)
+    assert np.isfinite(bent(pose(m=m)).vertices).all()
+
+
+def test_row_12_isolated_vertices_stay_at_rest():
+    m = mesh(np.concatenate([VERTICES, [[9, 9, 9], [8, 8, 8]]]))
+    assert any(f"in no face, kept at rest (at {N}, {N + 1}; 2 in all)" in w for w in m.warnings)
+    result = bent(pose(m=m)).vertices
+    assert np.array_equal(result[N:], [[9, 9, 9], [8, 8, 8]])
+    assert np.abs(result[:N] - bent(pose()).vertices).max() < 1e-3
+
+
+def test_row_13_an_edge_with_three_faces():
+    extra = np.concatenate([FACES, [[FACES[50, 0], FACES[50, 1], N]]])
+    m = mesh(np.concatenate([VERTICES, [VERTICES[FACES[50, 0]] * 1.5]]), extra)
+    assert any("more than two faces" in w for w in m.warnings)
+    assert np.isfinite(bent(pose(m=m)).vertices).all()
+
+
+def test_row_14_a_bow_tie():
+    vertices = np.concatenate([VERTICES, VERTICES + (10, 0, 0)])
+    faces = np.concatenate([FACES, np.where(FACES == 0, N - 1, FACES + N)])
+    m = mesh(vertices, faces)
+    assert any("bow-tie" in w for w in m.warnings)
+    assert np.isfinite(bent(pose(m=m)).vertices).all()
+
+
+def test_row_15_inconsistent_winding():
+    faces = FACES.copy()
+    faces[40] = faces[40, ::-1]
+    m = mesh(faces=faces)
+    assert any("wound against each other" in w for w in m.warnings)
+    assert np.abs(bent(pose(m=m)).vertices - bent(pose()).vertices).max() < 1e-5
+
+
+def test_row_16_an_open_boundary():
+    assert mesh().warnings == []
+    assert bent(pose()).report["converged"]
+
+
+@pytest.mark.parametrize(("handles", "text"), [([], "no handle"), ([LOW, []], r"empty handle \(at 1")])
+def test_row_19_no_handle_or_an_empty_one(handles, text):
+    with pytest.raises(lissom.InvalidConstraint, match=text):
+        pose(handles)
+
+
+def test_row_20_every_vertex_in_a_handle():
+    targets = np.random.default_rng(1).normal(size=(N, 3))
+    result = pose([np.arange(N)]).solve_points(targets)
+    assert np.array_equal(result.vertices, targets)
+
+
+def test_row_21_a_component_without_handle():
+    m = mesh(np.concatenate([VERTICES, VERTICES + 10]), np.concatenate([FACES, FACES + N]))
+    p = pose(m=m)
+    assert any("without a handle stay at rest" in w and "1 in all" in w for w in p.warnings)
+    result = bent(p)
+    assert np.array_equal(result.vertices[N:], VERTICES + 10)
+    assert any("without a handle" in w for w in result.report["warnings"])
+
+
+def test_row_22_a_component_held_by_a_point():
+    p = pose([[7]])
+    assert any("ambiguous" in w for w in p.warnings)
+    shift = rigid(offset=(1, 2, 3))
+    assert np.abs(p.solve([shift]).vertices - (VERTICES + (1, 2, 3))).max() < 1e-9
+
+
+def test_row_23_a_vertex_in_two_handles():
+    with pytest.raises(
+        lissom.InvalidConstraint, match=r"two handles, first in 0 and 1 \(at 3, 4; 2 in all\)"
+    ):
+        pose([LOW, np.concatenate([HIGH, [3, 4]])])
+    with pytest.raises(lissom.InvalidConstraint, match=r"twice in handle 0 \(at 5; 1 in all\)"):
+        pose([[5, 6, 5]])
+
+
+def test_row_24_a_handle_outside_the_region_and_an_empty_region():
+    with pytest.raises(lissom.InvalidConstraint, match="empty"):
+        pose(roi=[])
+    p = pose(roi=np.arange(16, N))
+    assert any("outside the region" in w and "16 in all" in w for w in p.warnings)
+
+
+@pytest.mark.parametrize(
+    "convert",
+    [
+        lambda a: a.astype(np.float32),
+        lambda a: a.astype(np.float16),
+        lambda a: a.astype(">f8"),
+        lambda a: np.asfortranarray(a),
+        lambda a: np.repeat(a, 2, axis=0)[::2],
+        lambda a: a.tolist(),
+    ],
+)
+def test_row_43_other_arrays_are_converted(convert):
+    given = convert(VERTICES)
+    result = bent(pose(m=mesh(given)))
+    expected = bent(pose(m=mesh(np.asarray(given, dtype=np.float64))))
+    assert np.array_equal(result.vertices, expected.vertices)
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.int16, ">i4", np.uint64])
+def test_row_43_other_integers_are_converted(kind):
+    faces = FACES[FACES.max(1) < 200]
+    assert lissom.Mesh(VERTICES, faces.astype(kind)).components == 1
+
+
+@pytest.mark.parametrize(
+    ("vertices", "faces", "name"),
+    [
+        (VERTICES.astype(bool), FACES, "vertices"),
+        (VERTICES.astype(object), FACES, "vertices"),
+        (VERTICES.astype(complex), FACES, "vertices"),
+        (VERTICES.astype(str), FACES, "vertices"),
+        (VERTICES, FACES.astype(bool), "triangles"),
+        (VERTICES, FACES.astype(float), "triangles"),
+        (VERTICES, FACES.astype(object), "triangles"),
+        (None, FACES, "vertices"),
+        ([[1, 2], [3]], FACES, "vertices"),
+    ],
+)
+def test_row_43_other_types_are_refused(vertices, faces, name):
+    with pytest.raises(TypeError, match=name):
+        lissom.Mesh(vertices, faces)
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (lambda: lissom.Mesh(VERTICES[:, :2], FACES), r"vertices: expected shape \(n, 3\), got \(384, 2\)"),
+        (lambda: lissom.Mesh(VERTICES, FACES.ravel()), r"triangles: expected shape \(n, 3\)"),
+        (lambda: pose([LOW[None]]), r"handles\[0\]: expected shape \(n,\)"),
+        (lambda: pose(roi=[[1]]), "roi: expected shape"),
+        (lambda: pose().solve(np.eye(4)), r"transforms: expected shape \(n, 4, 4\)"),
+        (lambda: pose().solve_points(np.zeros(3)), "targets: expected shape"),
+    ],
+)
+def test_row_43_wrong_shapes_name_the_argument(call, text):
+    with pytest.raises(ValueError, match=text):
+        call()
+
+
+def test_the_wrong_number_of_matrices_or_points():
+    with pytest.raises(lissom.InvalidConstraint, match="3 matrices for 2 handles"):
+        pose().solve([np.eye(4)] * 3)
+    with pytest.raises(lissom.InvalidConstraint, match="5 points for 32 handle vertices"):
+        pose().solve_points(np.zeros((5, 3)))
+    with pytest.raises(lissom.InvalidValue, match="no method named 'magic'"):
+        pose(method="magic")
+
+
+def test_row_44_a_panic_is_an_internal_error(capfd):
+    with pytest.raises(lissom.InternalError, match="a bug in lissom: asked to"):
+        lissom._panic()
+    assert bent(pose()).report["converged"], "and life goes on"

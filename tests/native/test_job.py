@@ -1,0 +1,114 @@
+"""Jobs: progress, cancellation, signals, the interpreter released."""
+
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import lissom
+import numpy as np
+import pytest
+from shapes import rigid, tube
+
+GOAL = [np.eye(4), rigid((0, 1, 0), 2.5, (0, 1, -2))]
+ENDLESS = {"max_iterations": 10**9, "tolerance": 0.0}
+
+
+@pytest.fixture(scope="module")
+def pose():
+    vertices, faces = tube(rows=400, columns=60)
+    x = vertices[:, 0]
+    mesh = lissom.Mesh(vertices, faces)
+    return lissom.Pose(mesh, [np.flatnonzero(x < 0.3), np.flatnonzero(x > 5.7)])
+
+
+def test_a_job_returns_what_the_call_returns(pose):
+    options = {"max_iterations": 20, "tolerance": 0.0, "warm_start": False}
+    job = pose.start(GOAL, **options)
+    result = job.result()
+    assert job.done
+    assert job.result() is result
+    assert np.array_equal(result.vertices, pose.solve(GOAL, **options).vertices)
+
+
+def test_progress_grows(pose):
+    job = pose.start(GOAL, max_iterations=60, tolerance=0.0)
+    seen = []
+    while not job.done:
+        seen.append(job.progress)
+        time.sleep(0.005)
+    fractions = [fraction for fraction, _ in seen]
+    assert fractions == sorted(fractions)
+    assert fractions[-1] > 0.1
+    assert seen[-1][1] == "posing"
+
+
+def test_row_40_cancel_within_a_fifth_of_a_second(pose):
+    before = pose.solve(GOAL, max_iterations=5, warm_start=False)
+    taken = []
+    for _ in range(3):
+        job = pose.start(GOAL, **ENDLESS)
+        time.sleep(0.1)
+        begin = time.perf_counter()
+        job.cancel()
+        with pytest.raises(lissom.Cancelled):
+            job.result()
+        taken.append(time.perf_counter() - begin)
+    assert min(taken) < 0.2
+    after = pose.solve(GOAL, max_iterations=5, warm_start=False)
+    assert np.array_equal(before.vertices, after.vertices)
+
+
+def test_row_40_ctrl_c_gets_through():
+    script = """
+import sys, time, numpy as np, lissom
+sys.path.insert(0, sys.argv[1])
+from shapes import rigid, tube
+vertices, faces = tube(rows=400, columns=60)
+x = vertices[:, 0]
+pose = lissom.Pose(lissom.Mesh(vertices, faces), [np.flatnonzero(x < 0.3), np.flatnonzero(x > 5.7)])
+print("ready", flush=True)
+try:
+    pose.solve([np.eye(4), rigid((0, 1, 0), 2.5)], max_iterations=10**9, tolerance=0.0)
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+    here = __file__.rsplit("/", 1)[0]
+    child = subprocess.Popen([sys.executable, "-c", script, here], stdout=subprocess.PIPE, text=True)
+    assert child.stdout.readline() == "ready\n"
+    time.sleep(0.3)
+    child.send_signal(signal.SIGINT)
+    begin = time.perf_counter()
+    assert child.stdout.readline() == "interrupted\n"
+    assert time.perf_counter() - begin < 1.0
+    assert child.wait(10) == 0
+
+
+def test_the_interpreter_is_released(pose):
+    ticks = []
+    stop = threading.Event()
+
+    def tick():
+        while not stop.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.002)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    pose.solve(GOAL, max_iterations=60, tolerance=0.0, warm_start=False)
+    stop.set()
+    thread.join()
+    assert len(ticks) > 10
+
+
+def test_two_threads_may_wait_for_one_job(pose):
+    job = pose.start(GOAL, max_iterations=40, tolerance=0.0)
+    found = []
+    threads = [threading.Thread(target=lambda: found.append(job.result())) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(20)
+    assert len(found) == 2
+    assert found[0] is found[1]
