@@ -74,3 +74,58 @@ class Pose:
         tolerance: float = 1e-6,
         warm_start: bool = True,
     ) -> Job: ...
+
+class Fit:
+    pairs: NDArray[np.int64]
+    fitted_vertices: NDArray[np.float64]
+    report: dict[str, Any]
+
+def fit_correspondence(
+    source: Mesh,
+    target: Mesh,
+    markers: ArrayLike,
+    *,
+    smoothness: float = 1.0,
+    identity: float = 0.001,
+    closest: float = 5000.0,
+    steps: int = 6,
+    rounds: int = 4,
+    match_distance: float = 0.02,
+) -> Fit: ...
+def start_fit(
+    source: Mesh,
+    target: Mesh,
+    markers: ArrayLike,
+    *,
+    smoothness: float = 1.0,
+    identity: float = 0.001,
+    closest: float = 5000.0,
+    steps: int = 6,
+    rounds: int = 4,
+    match_distance: float = 0.02,
+) -> Job: ...
+
+class Transferred:
+    vertices: NDArray[np.float64]
+
+class Transfer:
+    def __init__(
+        self,
+        source: Mesh,
+        target: Mesh,
+        fit: Fit | ArrayLike,
+        *,
+        unmatched: str = "follow",
+        weighting: str = "pairs",
+    ) -> None: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def apply(self, poses: ArrayLike) -> Transferred: ...
+    def start(self, poses: ArrayLike) -> Job: ...
+
+class Inbetween:
+    def __init__(self, mesh: Mesh, start: ArrayLike, end: ArrayLike, rotation: str = "consistent") -> None: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def at(self, times: ArrayLike) -> NDArray[np.float64]: ...
+    def keyframes(self, tolerance: float, max_keys: int = 32) -> NDArray[np.float64]: ...

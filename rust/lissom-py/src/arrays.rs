@@ -101,7 +101,7 @@ pub fn points(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3>> {
     Ok(to_points(&floats(name, value, &[-1, 3])?.1))
 }
 
-/// (k, n, 3) poses of n vertices; a single (n, 3) pose counts as one.
+/// (k, n, 3) poses of n vertices.
 pub fn poses(name: &str, value: &Bound<'_, PyAny>, vertices: usize) -> PyResult<Vec<Vec<Vec3>>> {
     let n = vertices as i64;
     let (_, values) = floats(name, value, &[-1, n, 3])?;
@@ -166,6 +166,16 @@ pub fn from_pairs(py: Python<'_>, pairs: &[[u32; 2]]) -> PyResult<Py<PyAny>> {
     let values = pairs.iter().flatten().map(|&v| i64::from(v));
     let array = PyArray::from_iter(py, values).reshape([pairs.len(), 2])?;
     Ok(array.into_any().unbind())
+}
+
+/// One of a few named choices.
+pub fn choice<T: Copy>(py: Python<'_>, name: &str, given: &str, kinds: &[(&str, T)]) -> PyResult<T> {
+    if let Some((_, kind)) = kinds.iter().find(|(known, _)| *known == given) {
+        return Ok(*kind);
+    }
+    let known: Vec<&str> = kinds.iter().map(|(known, _)| *known).collect();
+    let problem = format!("'{given}' is none of {}", known.join(", "));
+    Err(errors::to_python(py, Error::InvalidValue(Fault::new(name, problem))))
 }
 
 /// Strings as a list.

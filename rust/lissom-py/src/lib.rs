@@ -2,9 +2,11 @@
 
 mod arrays;
 mod errors;
+mod inbetween;
 mod job;
 mod mesh;
 mod pose;
+mod transfer;
 
 use pyo3::prelude::*;
 
@@ -19,5 +21,7 @@ fn lissom_py(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<job::PyJob>()?;
     module.add_class::<mesh::PyMesh>()?;
     pose::register(module)?;
+    transfer::register(module)?;
+    module.add_class::<inbetween::PyInbetween>()?;
     module.add_function(wrap_pyfunction!(job::_panic, module)?)
 }

@@ -1,0 +1,194 @@
+//! `lissom.fit_correspondence`, `lissom.start_fit`, `lissom.Transfer`.
+
+use std::sync::Arc;
+
+use lissom::transfer::{
+    Fit, FitOptions, FitReport, Transfer, TransferOptions, Unmatched, Weighting, fit_correspondence as fit,
+};
+use lissom::{Job, Mesh};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::choice;
+use crate::job::{PyJob, run_value};
+use crate::mesh::PyMesh;
+use crate::{arrays, job};
+
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<PyFit>()?;
+    module.add_class::<PyTransfer>()?;
+    module.add_class::<PyTransferred>()?;
+    module.add_function(wrap_pyfunction!(fit_correspondence, module)?)?;
+    module.add_function(wrap_pyfunction!(start_fit, module)?)
+}
+
+/// A source pulled onto a target: `pairs` (p, 2) of source and target triangle, `fitted_vertices`
+/// (n_source, 3) in the target's units, and `report`, a dict.
+#[pyclass(name = "Fit", module = "lissom", frozen, get_all)]
+pub struct PyFit {
+    pairs: Py<PyAny>,
+    fitted_vertices: Py<PyAny>,
+    report: Py<PyDict>,
+}
+
+fn report(py: Python<'_>, report: &FitReport) -> PyResult<Py<PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("distance_mean", report.distance_mean)?;
+    dict.set_item("distance_max", report.distance_max)?;
+    dict.set_item("distance_mean_percent", report.distance_mean_percent)?;
+    dict.set_item("distance_max_percent", report.distance_max_percent)?;
+    dict.set_item("flipped_triangles", report.flipped_triangles)?;
+    dict.set_item("unmatched_source_triangles", report.unmatched_source_triangles)?;
+    dict.set_item("unmatched_target_triangles", report.unmatched_target_triangles)?;
+    dict.set_item("unmatched_source_percent", report.unmatched_source_percent)?;
+    dict.set_item("unmatched_target_percent", report.unmatched_target_percent)?;
+    dict.set_item("rounds", report.rounds)?;
+    dict.set_item("seconds", report.seconds)?;
+    dict.set_item("warnings", &report.warnings)?;
+    Ok(dict.unbind())
+}
+
+fn fitted(py: Python<'_>, fit: Fit) -> PyResult<Py<PyAny>> {
+    let pairs = arrays::from_pairs(py, &fit.pairs)?;
+    let fitted_vertices = arrays::from_points(py, &fit.fitted_vertices)?;
+    let report = report(py, &fit.report)?;
+    Ok(Py::new(py, PyFit { pairs, fitted_vertices, report })?.into_any())
+}
+
+type Work<T> = Box<dyn FnOnce(&Job) -> lissom::Result<T> + Send>;
+
+fn fit_work(
+    source: &Bound<'_, PyMesh>,
+    target: &Bound<'_, PyMesh>,
+    markers: &Bound<'_, PyAny>,
+    options: FitOptions,
+) -> PyResult<Work<Fit>> {
+    let markers = arrays::pairs("markers", markers)?;
+    let (source, target) = (source.get().0.clone(), target.get().0.clone());
+    Ok(Box::new(move |job| fit(&source, &target, &markers, &options, job)))
+}
+
+/// Pulls `source` onto `target` and matches their triangles (Sumner & Popović 2004).
+///
+/// markers (k, 2): vertex of the source, vertex of the target that belongs to it.
+/// smoothness, identity, closest: the weights w_S, w_I and the largest w_C of the three terms; w_C rises
+/// from 0 through `steps` weights, with `rounds` rounds of closest points at each. match_distance: how
+/// far apart the centroids of matched triangles may be, as a fraction of the target's diagonal.
+///
+/// Returns a Fit. Raises InvalidConstraint for no markers, indices out of range and vertices marked
+/// twice, InvalidValue for options out of range.
+#[pyfunction]
+#[pyo3(signature = (source, target, markers, *, smoothness=1.0, identity=0.001, closest=5000.0, steps=6,
+                    rounds=4, match_distance=0.02))]
+#[expect(clippy::too_many_arguments, reason = "each is an option of the Python function")]
+fn fit_correspondence(
+    source: &Bound<'_, PyMesh>,
+    target: &Bound<'_, PyMesh>,
+    markers: &Bound<'_, PyAny>,
+    smoothness: f64,
+    identity: f64,
+    closest: f64,
+    steps: usize,
+    rounds: usize,
+    match_distance: f64,
+) -> PyResult<Py<PyAny>> {
+    let options = FitOptions { smoothness, identity, closest, steps, rounds, match_distance };
+    job::run(source.py(), fit_work(source, target, markers, options)?, fitted)
+}
+
+/// `fit_correspondence` in the background: returns a Job at once.
+#[pyfunction]
+#[pyo3(signature = (source, target, markers, *, smoothness=1.0, identity=0.001, closest=5000.0, steps=6,
+                    rounds=4, match_distance=0.02))]
+#[expect(clippy::too_many_arguments, reason = "each is an option of the Python function")]
+fn start_fit(
+    source: &Bound<'_, PyMesh>,
+    target: &Bound<'_, PyMesh>,
+    markers: &Bound<'_, PyAny>,
+    smoothness: f64,
+    identity: f64,
+    closest: f64,
+    steps: usize,
+    rounds: usize,
+    match_distance: f64,
+) -> PyResult<PyJob> {
+    let options = FitOptions { smoothness, identity, closest, steps, rounds, match_distance };
+    PyJob::start(fit_work(source, target, markers, options)?, fitted)
+}
+
+/// Shapes carried over: `vertices` (k, n_target, 3) float64 in the target's units.
+#[pyclass(name = "Transferred", module = "lissom", frozen, get_all)]
+pub struct PyTransferred {
+    vertices: Py<PyAny>,
+}
+
+fn transferred(target: Arc<Mesh>) -> impl FnOnce(Python<'_>, Vec<Vec<lissom::Vec3>>) -> PyResult<Py<PyAny>> {
+    move |py, poses| {
+        let vertices = arrays::from_poses(py, &poses, target.vertices().len())?;
+        Ok(Py::new(py, PyTransferred { vertices })?.into_any())
+    }
+}
+
+/// A prepared transfer from one mesh to another; factored once, for any number of keys.
+///
+/// Transfer(source, target, fit, *, unmatched="follow", weighting="pairs"): `fit` is a Fit, or a (p, 2)
+/// array of source and target triangles. `unmatched` says what components of the target without a match
+/// do: "follow" the nearest matched surface rigidly, or "rest". `weighting` counts each target triangle by
+/// its number of matches ("pairs", as the paper does) or by its "area".
+///
+/// Raises InvalidConstraint for no pairs or indices out of range, SolveFailed.
+#[pyclass(name = "Transfer", module = "lissom", frozen)]
+pub struct PyTransfer(Arc<Transfer>);
+
+impl PyTransfer {
+    fn work(&self, poses: &Bound<'_, PyAny>) -> PyResult<Work<Vec<Vec<lissom::Vec3>>>> {
+        let poses = arrays::poses("poses", poses, self.0.source().vertices().len())?;
+        let transfer = self.0.clone();
+        Ok(Box::new(move |job| transfer.apply(&poses, job)))
+    }
+}
+
+#[pymethods]
+impl PyTransfer {
+    #[new]
+    #[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="pairs"))]
+    fn new(
+        source: &Bound<'_, PyMesh>,
+        target: &Bound<'_, PyMesh>,
+        fit: &Bound<'_, PyAny>,
+        unmatched: &str,
+        weighting: &str,
+    ) -> PyResult<Self> {
+        let py = source.py();
+        let pairs = match fit.cast::<PyFit>() {
+            Ok(fit) => arrays::pairs("fit", fit.get().pairs.bind(py))?,
+            Err(_) => arrays::pairs("fit", fit)?,
+        };
+        let kinds = [("follow", Unmatched::Follow), ("rest", Unmatched::Rest)];
+        let unmatched = choice(py, "unmatched", unmatched, &kinds)?;
+        let kinds = [("pairs", Weighting::Pairs), ("area", Weighting::Area)];
+        let weighting = choice(py, "weighting", weighting, &kinds)?;
+        let (source, target) = (source.get().0.clone(), target.get().0.clone());
+        let options = TransferOptions { unmatched, weighting };
+        let made = run_value(py, move |job| Transfer::new(source, target, &pairs, options, job))?;
+        Ok(Self(Arc::new(made)))
+    }
+
+    /// list of str: what is doubtful about the matches.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.0.warnings().to_vec()
+    }
+
+    /// Carries poses (k, n_source, 3) over; returns an object with `vertices` (k, n_target, 3).
+    ///
+    /// Raises InvalidValue for values that are not finite, SolveFailed on overflow.
+    fn apply(&self, poses: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
+        job::run(poses.py(), self.work(poses)?, transferred(self.0.target().clone()))
+    }
+
+    /// `apply` in the background: returns a Job at once.
+    fn start(&self, poses: &Bound<'_, PyAny>) -> PyResult<PyJob> {
+        PyJob::start(self.work(poses)?, transferred(self.0.target().clone()))
+    }
+}
