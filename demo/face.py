@@ -25,6 +25,22 @@ class Face:
     vertex_part: np.ndarray  # (n,) and (polygons,): the name of the part each belongs to
     polygon_part: np.ndarray
 
+    def only(self, *parts):
+        """The face without its other parts; landmarks on those become -1."""
+        kept = np.isin(self.vertex_part, parts)
+        renumbered = np.where(kept, np.cumsum(kept) - 1, -1).astype(np.int32)
+        polygons = np.isin(self.polygon_part, parts)
+        return Face(
+            self.neutral[kept],
+            self.identity[kept],
+            {name: offsets[kept] for name, offsets in self.expressions.items()},
+            renumbered[self.loops[np.repeat(polygons, self.counts)]],
+            self.counts[polygons],
+            renumbered[self.landmarks],
+            self.vertex_part[kept],
+            self.polygon_part[polygons],
+        )
+
 
 def load(path=PACKED):
     """Reads the packed face."""

@@ -1,70 +1,137 @@
-"""Job 4: a blink. On the straight way between open and closed the lids cut through the eyeballs."""
+"""Job 4: the way between two shape keys.
+
+A head turned from one shoulder to the other: on the straight way it shrinks to half its width. And a blink: on the
+straight way the lids cut through the eyes.
+"""
 
 import time
 
 import bpy
 import numpy as np
+import pose
 import scene
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 from studio import Tile
 
-CLOSED = "eyes closed"
-STRAIGHT = "eyes closed, straight"
-SLIDER = "blink"
-COUNT = 5
-TIMES = np.linspace(0.0, 1.0, 21)
+COUNT = 5  # in-betweens, for either arc
 SHOWN = (0.0, 0.25, 0.5, 0.75, 1.0)
+MEASURED = np.linspace(0.0, 1.0, 21)
+MILLIMETRES = 100.0  # in a decimetre
+
+TURN = 60.0  # degrees to either side
+LEFT, RIGHT, HEAD_SLIDER = "head to the left", "head to the right", "turn"
+CLOSED, STRAIGHT, BLINK_SLIDER = "eyes closed", "eyes closed, straight", "blink"
 
 
 def run(face, given, made, studio, picture):
-    """Bakes the arc by operator, measures how deep the lids sink into the eyes; returns figures for the report."""
+    """Bakes both arcs by operators and draws them; returns figures for the report."""
     into = scene.collection("5 In-between")
-    blinking = scene.face_object("Blinking face", face, face.neutral, made, into, (12.0, 0, 0))
+    head, eyes = turning_head(face, made, into, (15.0, 0, 0))
+    blinking = scene.face_object("Blinking face", face, face.neutral, made, into, (18.0, 0, 0))
     closed = face.expressions["eyeBlink_L"] + face.expressions["eyeBlink_R"]
     scene.add_keys(blinking, face.neutral, {CLOSED: closed, STRAIGHT: closed})
 
     started = time.perf_counter()
-    scene.run(bpy.ops.lissom.inbetween_bake, object=blinking.name, end=CLOSED, count=COUNT, slider=SLIDER)
-    seconds = time.perf_counter() - started
+    bake = bpy.ops.lissom.inbetween_bake
+    scene.run(bake, object=head.name, start=LEFT, end=RIGHT, count=COUNT, slider=HEAD_SLIDER)
+    turned = time.perf_counter()
+    scene.run(bake, object=blinking.name, end=CLOSED, count=COUNT, slider=BLINK_SLIDER)
+    blinked = time.perf_counter()
+    follow(eyes, head)
 
-    eyes = Eyes(face)
+    lengths = {way: edge_error(head, values) for way, values in _halfway().items()}
+    lids = Lids(face)
     depth = {
-        name: np.array([eyes.depth(_shown(blinking, {name: t})) for t in TIMES]) for name in (STRAIGHT, SLIDER)
+        way: np.max([lids.depth(_shown(blinking, {way: t})) for t in MEASURED])
+        for way in (STRAIGHT, BLINK_SLIDER)
     }
-    studio.sheet(_tiles(blinking, given), picture)
-    scene.posed(blinking, {SLIDER: 0.0})
-    millimetres = 100.0  # a decimetre
+    studio.sheet(_tiles(head, face, blinking, given), picture, aspect=1.0)
+    scene.posed(head, {LEFT: 1.0, HEAD_SLIDER: 0.5})
+    scene.posed(blinking, {BLINK_SLIDER: 0.5})
     return {
-        "vertices": len(face.neutral),
         "keys": COUNT + 1,
-        "seconds": seconds,
-        "straight_depth_mm": millimetres * float(depth[STRAIGHT].max()),
-        "lissom_depth_mm": millimetres * float(depth[SLIDER].max()),
-        "rest_depth_mm": millimetres * float(depth[SLIDER][0]),
-    }
+        "turn_vertices": len(head.data.vertices),
+        "turn_seconds": turned - started,
+        "turn_edge_error_percent": {way: 100.0 * error for way, error in lengths.items()},
+        "blink_vertices": len(face.neutral),
+        "blink_seconds": blinked - turned,
+        "blink_depth_mm": {
+            "straight": MILLIMETRES * float(depth[STRAIGHT]), "lissom": MILLIMETRES * float(depth[BLINK_SLIDER]),
+        },
+    }  # fmt: skip
 
 
-class Eyes:
-    """How far vertices of the lids lie inside the eyeballs."""
+def turning_head(face, made, into, location):
+    """A head without eyes, posed to the left and to the right, and its eyes as an object of their own.
+
+    Each connected component goes its own way from key to key, and what is loose goes straight: eyes are better
+    left to the rig.
+    """
+    skin = face.only("face", "head_and_neck", "mouth_socket", "eye_sockets")
+    head = scene.face_object("Turning head", skin, skin.neutral, made, into, location)
+    balls = face.only("eyeball_left", "eyeball_right")
+    eyes = scene.face_object("Eyes", balls, balls.neutral - np.array(pose.SPINE), made, into, (0, 0, 0))
+    eyes.parent = head
+    eyes.location = pose.SPINE
+    turns = [
+        pose.Pose(name, (0, 0, degrees), (0, 0, 0), pose.SPINE) for name, degrees in ((LEFT, TURN), (RIGHT, -TURN))
+    ]
+    pose.solve(head, pose.regions(skin), ("chest", "head"), "", turns)
+    return head, eyes
+
+
+def follow(eyes, head):
+    """Turns the eyes with the slider, as the bone of a head would."""
+    curve = eyes.driver_add("rotation_euler", 2)
+    driver = curve.driver
+    variable = driver.variables.new()
+    variable.name = "t"
+    variable.targets[0].id = head
+    variable.targets[0].data_path = f'["{HEAD_SLIDER}"]'
+    driver.expression = f"{np.radians(TURN)} * (1 - 2 * t)"
+
+
+def edge_error(head, values):
+    """Root mean square of the edge lengths' relative difference from the mean of both ends."""
+    edges = np.empty(2 * len(head.data.edges), dtype=np.int32)
+    head.data.edges.foreach_get("vertices", edges)
+    a, b = edges.reshape(-1, 2).T
+
+    def lengths(positions):
+        return np.linalg.norm(positions[a] - positions[b], axis=1)
+
+    ends = lengths(scene.key_vertices(head, LEFT)) + lengths(scene.key_vertices(head, RIGHT))
+    return float(np.sqrt(np.mean((2.0 * lengths(_shown(head, values)) / ends - 1.0) ** 2)))
+
+
+class Lids:
+    """How far lids sink into the eyes on their way, deeper than where they start or end."""
 
     def __init__(self, face):
         first = np.cumsum(face.counts) - face.counts
         balls = np.flatnonzero(np.char.startswith(face.polygon_part.astype(str), "eyeball"))
         polygons = [face.loops[first[p] : first[p] + face.counts[p]].tolist() for p in balls]
-        self._tree = BVHTree.FromPolygons(face.neutral.tolist(), polygons)
+        self._eyes = BVHTree.FromPolygons(face.neutral.tolist(), polygons)
         closing = face.expressions["eyeBlink_L"] + face.expressions["eyeBlink_R"]
-        moves = np.linalg.norm(closing, axis=1) > 0.02
-        self._lids = np.flatnonzero(moves & (face.vertex_part == "face"))
+        self._lids = np.flatnonzero((np.linalg.norm(closing, axis=1) > 0.02) & (face.vertex_part == "face"))
+        self._ends = np.maximum(self._depths(face.neutral), self._depths(face.neutral + closing))
 
     def depth(self, positions):
-        """The greatest depth of a lid vertex below the surface of an eyeball, 0 where none is inside."""
-        deepest = 0.0
-        for position in positions[self._lids]:
-            place, normal, _, distance = self._tree.find_nearest(Vector(position))
+        """The greatest depth below the surface of an eyeball, in excess of the deeper end; at least 0."""
+        return float((self._depths(positions) - self._ends).max(initial=0.0))
+
+    def _depths(self, positions):
+        depths = np.zeros(len(self._lids))
+        for row, position in enumerate(positions[self._lids]):
+            place, normal, _, distance = self._eyes.find_nearest(Vector(position))
             if normal.dot(Vector(position) - place) < 0.0:
-                deepest = max(deepest, distance)
-        return deepest
+                depths[row] = distance
+        return depths
+
+
+def _halfway():
+    return {"straight": {LEFT: 0.5, RIGHT: 0.5}, "lissom": {LEFT: 1.0, HEAD_SLIDER: 0.5}}
 
 
 def _shown(obj, values):
@@ -74,14 +141,33 @@ def _shown(obj, values):
     return positions
 
 
-def _tiles(obj, given):
-    rows = []
-    for name, way in ((STRAIGHT, "straight line"), (SLIDER, "Lissom")):
-        row = []
-        for t in SHOWN:
-            mesh = scene.posed(obj, {name: t, SLIDER: t if name == SLIDER else 0.0})
-            if name == STRAIGHT:
-                mesh.materials[scene.SKIN] = given
-            row.append(Tile([mesh], f"{way}, {100 * t:.0f} %", (0.36, 0.36), 0.62, turn=40))
-        rows.append(row)
-    return rows
+def _tiles(head, face, blinking, given):
+    far, near = {"centre": (0.0, -0.30), "height": 3.9}, {"centre": (0.36, 0.38), "height": 0.58, "turn": 40}
+    straight, arc, blink = [], [], []
+    for t in SHOWN:
+        percent = f"{100 * t:.0f} %"
+        mesh = scene.posed(head, {LEFT: 1.0 - t, RIGHT: t, HEAD_SLIDER: 0.0})
+        mesh.materials[scene.SKIN] = given
+        ends = [_turned(face, degrees) for degrees in (TURN, -TURN)]
+        eyes = _eyes(face, (1.0 - t) * ends[0] + t * ends[1], given)
+        straight.append(Tile([mesh, eyes], f"straight way, {percent}", **far))
+        mesh = scene.posed(head, {LEFT: 1.0, HEAD_SLIDER: t})
+        eyes = _eyes(face, _turned(face, TURN * (1.0 - 2.0 * t)), given)
+        arc.append(Tile([mesh, eyes], f"Lissom, {percent}", **far))
+        blink.append(Tile([scene.posed(blinking, {BLINK_SLIDER: t})], f"Lissom, {percent}", **near))
+    return [straight, arc, blink]
+
+
+def _turned(face, degrees):
+    cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    balls = face.only("eyeball_left", "eyeball_right")
+    return (balls.neutral - pose.SPINE) @ turn.T + pose.SPINE
+
+
+def _eyes(face, positions, skin):
+    balls = face.only("eyeball_left", "eyeball_right")
+    made = scene.face_object("Eyes", balls, positions, skin, bpy.context.scene.collection, (0, 0, 0))
+    mesh = made.data
+    bpy.data.objects.remove(made)
+    return mesh

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 import scene
-from mathutils import Euler, Matrix, Vector
+from mathutils import Euler, Matrix
 from studio import Tile
 
 # The neck between these two planes is free. In decimetres: z below CHEST is held; the head is what lies above a
@@ -33,8 +33,6 @@ def run(face, made, studio, picture):
     """Poses the bust by operators, keeps every pose as a shape key, draws it; returns figures for the report."""
     bust = scene.face_object("Bust", face, face.neutral, made, scene.collection("1 Pose"), (0, 0, 0))
     groups = regions(face)
-    for name, members in groups.items():
-        bust.vertex_groups.new(name=name).add(members.tolist(), 1.0, "REPLACE")
     tip = tuple(face.neutral[EAR_TIP[0]])
     of_head = [
         Pose("head turned by 60°", (0, 0, -60), (0, 0, 0), SPINE),
@@ -42,8 +40,8 @@ def run(face, made, studio, picture):
     ]
     of_ear = [Pose("ear pulled up", (-20, 0, 12), (0.10, 0.24, 0.34), tip)]
     figures = [
-        _pose(bust, groups, ("chest", "head"), "", of_head),
-        _pose(bust, groups, ("tip of the ear",), "ear", of_ear),
+        solve(bust, groups, ("chest", "head"), "", of_head),
+        solve(bust, groups, ("tip of the ear",), "ear", of_ear),
     ]
     whole, near = {"centre": (0.05, -0.30), "height": 4.0, "turn": 20}, {"centre": (0.52, 0.22), "height": 1.5, "turn": -40}
     head, shoulder, ear = (pose.name for pose in (*of_head, *of_ear))
@@ -77,8 +75,11 @@ def regions(face):
     }
 
 
-def _pose(bust, groups, handles, region, poses):
-    free = (len(groups[region]) if region else len(bust.data.vertices)) - sum(len(groups[name]) for name in handles)
+def solve(bust, groups, handles, region, poses):
+    """Moves the last of the handles through the poses, and keeps each as a shape key; returns figures."""
+    names = [*handles, *([region] if region else [])]
+    for name in names:
+        bust.vertex_groups.new(name=name).add(groups[name].tolist(), 1.0, "REPLACE")
     for name in handles:
         scene.run(bpy.ops.lissom.pose_handle_add, object=bust.name, vertex_group=name)
     bust.lissom_pose.roi = region
@@ -86,13 +87,16 @@ def _pose(bust, groups, handles, region, poses):
     scene.run(bpy.ops.lissom.pose_bind, object=bust.name)
     bind_seconds = time.perf_counter() - started
 
+    movable = len(groups[region]) if region else len(bust.data.vertices)
+    free = movable - sum(len(groups[name]) for name in handles)
     empty = bust.lissom_pose.handles[handles[-1]].empty
-    rest = empty.matrix_world.copy()
+    rest, at = empty.matrix_world.copy(), bust.matrix_world
     rows = []
     for pose in poses:
         pivot = Matrix.Translation(pose.pivot)
         turn = Euler(np.radians(pose.degrees)).to_matrix().to_4x4()
-        empty.matrix_world = Matrix.Translation(Vector(pose.shift)) @ pivot @ turn @ pivot.inverted() @ rest
+        motion = Matrix.Translation(pose.shift) @ pivot @ turn @ pivot.inverted()
+        empty.matrix_world = at @ motion @ at.inverted() @ rest
         started = time.perf_counter()
         scene.run(bpy.ops.lissom.pose_apply, object=bust.name, name=pose.name, value=0.0)
         seconds = time.perf_counter() - started

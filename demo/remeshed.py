@@ -24,10 +24,12 @@ REACH = 0.03  # decimetres: how far from the full surface a thinned vertex is lo
 MARKED = range(60)
 
 
-def run(face, obj, made, studio, folder, picture):
-    """Transfers all keys of ``obj`` by operators; returns figures for the report, lengths in percent of the diagonal."""
+def run(face, given, made, studio, folder, picture):
+    """Transfers all keys of the face by operators; returns figures for the report, lengths in percent of the diagonal."""
     full = face.neutral + face.identity
-    target = decimated(face, full, made, (6.0, 0, 0))
+    into = scene.collection("2 Remeshed identity")
+    obj = source.make("ICT face", face, given, into, (3.0, 0, 0))
+    target = decimated(face, full, made, into, (6.0, 0, 0))
     surface = Surface(obj, full)
     rest = scene.vertices(target)
     place, offset_of = surface.locate(rest, vertex_normals(target))
@@ -46,12 +48,13 @@ def run(face, obj, made, studio, folder, picture):
     # What copying offsets from the closest point of the source would give, for comparison.
     _, copied_of = Surface(obj, face.neutral).locate(rest, vertex_normals(target))
     percent = 100.0 / scene.diagonal(rest)
-    rows = []
+    rows, errors = [], {}
     for name, expression in face.expressions.items():
         known, got = offset_of(expression), scene.key_vertices(target, name) - rest
+        errors[name] = percent * (got - known)
         error, motion, copied = (
-            percent * np.linalg.norm(offsets, axis=1)
-            for offsets in (got - known, known, copied_of(expression) - known)
+            np.linalg.norm(offsets, axis=1)
+            for offsets in (errors[name], percent * known, percent * (copied_of(expression) - known))
         )
         rows.append(
             {
@@ -60,7 +63,6 @@ def run(face, obj, made, studio, folder, picture):
                 "motion_rms": rms(motion), "motion_max": float(motion.max()), "closest_point_rms": rms(copied),
             }
         )  # fmt: skip
-    errors = {row["expression"]: row["rms"] for row in rows}
 
     studio.sheet(_tiles(obj, target, errors), picture)
     return {
@@ -77,9 +79,8 @@ def run(face, obj, made, studio, folder, picture):
     }  # fmt: skip
 
 
-def decimated(face, positions, skin, location):
+def decimated(face, positions, skin, into, location):
     """The face at these positions as Blender's Decimate leaves it."""
-    into = scene.collection("3 Remeshed identity")
     whole = scene.face_object("Identity", face, positions, skin, into, location)
     modifier = whole.modifiers.new("Decimate", "DECIMATE")
     modifier.ratio = RATIO
@@ -170,10 +171,10 @@ def _tiles(obj, target, errors):
              note=f"{len(target.data.vertices)} vertices", **wire),
     ]  # fmt: skip
     rows = [[tile] for tile in first]
-    for label, mix in source.SHOWN.items():
+    for label, mix in {**source.MIXES, **source.WINK}.items():
+        error = rms(np.linalg.norm(sum(value * errors[name] for name, value in mix.items()), axis=1))
         rows[0].append(Tile([scene.posed(obj, mix)], label, note="given", **frame))
-        worst = max(errors[name] for name in mix)
-        rows[1].append(Tile([scene.posed(target, mix)], label, note=f"transferred, error {worst:.2f} %", **frame))
+        rows[1].append(Tile([scene.posed(target, mix)], label, note=f"transferred, off by {error:.2f} %", **frame))
     return rows
 
 

@@ -12,6 +12,7 @@ def write(folder, figures):
 def page(figures):
     """The report as Markdown."""
     pose, remeshed, suzanne, inbetween = (figures[job] for job in ("pose", "remeshed", "suzanne", "inbetween"))
+    edge, depth = inbetween["turn_edge_error_percent"], inbetween["blink_depth_mm"]
     lines = [
         "# What the demo did",
         "",
@@ -49,7 +50,7 @@ def page(figures):
         "",
         "## Transfer to Suzanne",
         "",
-        f"To {suzanne['target_vertices']} vertices ({suzanne['target_triangles']} triangles), linked by "
+        f"From {suzanne['source_vertices']} vertices of skin to {suzanne['target_vertices']} vertices ({suzanne['target_triangles']} triangles), linked by "
         f"{suzanne['markers']} marker pairs. Fit: {suzanne['fit_seconds']:.1f} s; {suzanne['keys']} keys: "
         f"{suzanne['transfer_seconds']:.1f} s.",
         "",
@@ -57,10 +58,15 @@ def page(figures):
         "",
         "## In-between",
         "",
-        f"{inbetween['keys']} shape keys of {inbetween['vertices']} vertices under one slider: "
-        f"{inbetween['seconds']:.1f} s. While the eyes close, the lids sink into the eyeballs by "
-        f"{inbetween['straight_depth_mm']:.2f} mm on the straight way and by {inbetween['lissom_depth_mm']:.2f} mm on "
-        f"the baked one ({inbetween['rest_depth_mm']:.2f} mm while they are open).",
+        f"A head of {inbetween['turn_vertices']} vertices from one shoulder to the other: {inbetween['keys']} "
+        f"shape keys under one slider in {inbetween['turn_seconds']:.1f} s. Half way, edge lengths are off by "
+        f"{edge['straight']:.1f} % (root mean square, against the mean of both ends) on the straight way, by "
+        f"{edge['lissom']:.1f} % on the baked one.",
+        "",
+        f"A blink of {inbetween['blink_vertices']} vertices: {inbetween['keys']} shape keys in "
+        f"{inbetween['blink_seconds']:.1f} s. On their way the lids sink into the eyes by up to "
+        f"{depth['straight']:.2f} mm more than at either end on the straight way, {depth['lissom']:.2f} mm on the "
+        "baked one.",
         "",
         "![In-between](inbetween.png)",
         "",

@@ -25,7 +25,6 @@ import pose  # noqa: E402
 import remeshed  # noqa: E402
 import report  # noqa: E402
 import scene  # noqa: E402
-import source  # noqa: E402
 import suzanne  # noqa: E402
 from studio import Studio, publish  # noqa: E402
 
@@ -46,10 +45,9 @@ def main(arguments):
     pictures = {name: folder / f"{name}.png" for name in PICTURES}
 
     figures = {"blender": bpy.app.version_string, "lissom": lissom.__version__, "processors": os.cpu_count()}
-    obj = source.make(face, given, (3.0, 0, 0))
     figures["pose"] = pose.run(face, made, studio, pictures["pose"])
-    figures["remeshed"] = remeshed.run(face, obj, made, studio, folder, pictures["remeshed"])
-    figures["suzanne"] = suzanne.run(obj, made, studio, pictures["suzanne"])
+    figures["remeshed"] = remeshed.run(face, given, made, studio, folder, pictures["remeshed"])
+    figures["suzanne"] = suzanne.run(face, given, made, studio, pictures["suzanne"])
     figures["inbetween"] = inbetween.run(face, given, made, studio, pictures["inbetween"])
     figures["picture_seconds"] = studio.seconds
     studio.close()

@@ -128,7 +128,7 @@ def positions(points):
 
 def anatomy():
     """The materials of the slots that follow SKIN."""
-    return material("Mouth", (0.42, 0.13, 0.12), 0.4), material("Teeth", (0.80, 0.76, 0.66), 0.3), _eye()
+    return material("Mouth", (0.42, 0.13, 0.12), 0.4), material("Teeth", (0.80, 0.76, 0.66), 0.3), eye()
 
 
 def set_gaze(mesh, gaze):
@@ -136,7 +136,8 @@ def set_gaze(mesh, gaze):
     mesh.attributes.new(GAZE, "FLOAT", "POINT").data.foreach_set("value", gaze.astype(np.float32))
 
 
-def _eye():
+def eye():
+    """White, iris and pupil by the attribute GAZE."""
     made = bpy.data.materials.get("Eye")
     if made is None:
         made = material("Eye", (0.8, 0.8, 0.8), 0.12)
@@ -174,6 +175,8 @@ def _gaze(face):
     valence = np.bincount(face.loops, minlength=len(face.neutral))
     for eyeball in ("eyeball_left", "eyeball_right"):
         ball = np.flatnonzero(face.vertex_part == eyeball)
+        if not len(ball):
+            continue
         out = face.neutral[ball] - face.neutral[ball].mean(axis=0)
         out /= np.linalg.norm(out, axis=1, keepdims=True)
         pole = np.where(out[:, 1] < 0.0, valence[ball], 0).argmax()

@@ -1,19 +1,27 @@
-"""The face whose expressions are carried over, and the expressions that the pictures show."""
+"""The faces whose expressions are carried over, and the mixes of them that the pictures show."""
 
 import scene
 
-# Mixes of shape keys, by the label they get in the pictures.
-SHOWN = {
-    "smile": {"mouthSmile_L": 1.0, "mouthSmile_R": 1.0},
-    "jaw open": {"jawOpen": 1.0},
-    "snarl": {"browDown_L": 1.0, "browDown_R": 1.0, "noseSneer_L": 1.0, "noseSneer_R": 1.0},
-    "funnel, brows up": {"mouthFunnel": 1.0, "browInnerUp_L": 1.0, "browInnerUp_R": 1.0},
-    "wink, cheeks": {"eyeBlink_L": 1.0, "cheekPuff_L": 1.0, "cheekPuff_R": 1.0},
+# What Suzanne has too: no sockets, teeth and tongue.
+SKIN = ("face", "head_and_neck")
+
+
+def _both(name, value=1.0):
+    return {f"{name}_L": value, f"{name}_R": value}
+
+
+MIXES = {
+    "joy": {**_both("mouthSmile"), **_both("browInnerUp", 0.4)},
+    "surprise": {"jawOpen": 1.0, **_both("browInnerUp")},
+    "anger": {**_both("browDown"), **_both("noseSneer"), **_both("mouthFrown")},
+    "kiss": {"mouthPucker": 1.0, "mouthFunnel": 0.5},
 }
+WINK = {"wink": {"eyeBlink_L": 1.0, **_both("cheekPuff", 0.8)}}
+ASKEW = {"jaw askew": {"jawLeft": 1.0, "jawOpen": 0.25}}
 
 
-def make(face, given, location):
-    """The object 'ICT face' with all its expressions as shape keys."""
-    made = scene.face_object("ICT face", face, face.neutral, given, scene.collection("2 Source"), location)
+def make(name, face, given, into, location):
+    """An object of the face with all its expressions as shape keys."""
+    made = scene.face_object(name, face, face.neutral, given, into, location)
     scene.add_keys(made, face.neutral, face.expressions)
     return made

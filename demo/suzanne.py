@@ -11,15 +11,18 @@ from addon.core import markers
 from studio import Tile
 
 MARKERS = Path(__file__).with_name("suzanne_markers.json")
-HEAD_VERTEX = 90  # on the chin
+
+# Subdivision keeps the vertices it starts from, so markers on those hold for any number of levels.
+LEVELS = 2
 EYE_CENTRE, IRIS_RADIUS = (0.353, 0.243), 0.13  # seen from the front, (x, z)
-LEVELS = 2  # of subdivision: 507 vertices become 7958, of which the first 507 are the old ones
 
 
-def run(obj, made, studio, picture):
-    """Transfers all keys of ``obj`` by operators; returns figures for the report."""
-    suzanne = make(made, (9.0, 0, 0))
-    objects = {"source": obj.name, "target": suzanne.name, "filepath": str(MARKERS)}
+def run(face, given, made, studio, picture):
+    """Transfers all keys of the face's skin by operators; returns figures for the report."""
+    into = scene.collection("4 Suzanne")
+    skin = source.make("ICT skin", face.only(*source.SKIN), given, into, (9.0, 0, 0))
+    suzanne, eyes = make(made, into, (12.0, 0, 0))
+    objects = {"source": skin.name, "target": suzanne.name, "filepath": str(MARKERS)}
     started = time.perf_counter()
     scene.run(bpy.ops.lissom.transfer_fit, **objects)
     fitted = time.perf_counter()
@@ -27,68 +30,83 @@ def run(obj, made, studio, picture):
     transferred = time.perf_counter()
 
     pairs = markers.load(str(MARKERS)).pairs
-    studio.sheet(_tiles(obj, suzanne, pairs), picture)
     rest = scene.vertices(suzanne)
-    diagonal = scene.diagonal(rest)
+    motion = {
+        key.name: float(np.linalg.norm(scene.key_vertices(suzanne, key.name) - rest, axis=1).max())
+        for key in list(suzanne.data.shape_keys.key_blocks)[1:]
+    }
+    studio.sheet(_tiles(skin, suzanne, eyes, pairs), picture, aspect=1.1)
     return {
+        "source_vertices": len(skin.data.vertices),
         "target_vertices": len(rest),
         "target_triangles": len(scene.triangles(suzanne)),
         "markers": len(pairs),
         "fit_seconds": fitted - started,
         "transfer_seconds": transferred - fitted,
-        "keys": len(suzanne.data.shape_keys.key_blocks) - 1,
+        "keys": len(motion),
         "largest_motion_percent": {
-            key.name: 100 * float(np.linalg.norm(scene.key_vertices(suzanne, key.name) - rest, axis=1).max()) / diagonal
-            for key in list(suzanne.data.shape_keys.key_blocks)[1:]
+            name: 100 * length / scene.diagonal(rest) for name, length in motion.items()
         },
     }
 
 
-def make(skin, location):
-    """Blender's monkey, subdivided, with white eyes."""
+def make(skin, into, location):
+    """Blender's monkey, subdivided: the head, and the two eyes as an object of their own."""
     bpy.ops.mesh.primitive_monkey_add(size=2.0)
-    suzanne = bpy.context.object
-    suzanne.name = "Suzanne"
-    modifier = suzanne.modifiers.new("Subdivision", "SUBSURF")
-    modifier.levels = LEVELS
-    mesh = scene.posed(suzanne, {})
-    unused, suzanne.data = suzanne.data, mesh
-    suzanne.modifiers.clear()
+    whole = bpy.context.object
+    label = scene.components(whole.data)
+    head = label == np.bincount(label).argmax()
+    made = [
+        _part("Suzanne", whole.data, head, into, location),
+        _part("Suzanne's eyes", whole.data, ~head, into, location),
+    ]
+    unused = whole.data
+    bpy.data.objects.remove(whole)
     bpy.data.meshes.remove(unused)
-    mesh.name = "Suzanne"
-    mesh.polygons.foreach_set("use_smooth", np.ones(len(mesh.polygons), dtype=bool))
-    suzanne.location = location
-    for collection in list(suzanne.users_collection):
-        collection.objects.unlink(suzanne)
-    scene.collection("4 Suzanne").objects.link(suzanne)
-    _paint(mesh, skin)
-    return suzanne
+    made[0].data.materials.append(skin)
+    made[1].data.materials.append(scene.eye())
+    x, _, z = scene.vertices(made[1]).T
+    scene.set_gaze(made[1].data, np.hypot(np.abs(x) - EYE_CENTRE[0], z - EYE_CENTRE[1]) / IRIS_RADIUS)
+    return made
 
 
-def _paint(mesh, skin):
-    """Skin on the head, eyes on the two eyeballs, which are components of their own."""
-    mesh.materials.clear()
-    for material in (skin, *scene.anatomy()):
-        mesh.materials.append(material)
-    component, at = scene.components(mesh), scene.positions(mesh.vertices)
-    for polygon in mesh.polygons:
-        if component[polygon.vertices[0]] != component[HEAD_VERTEX]:
-            polygon.material_index = scene.EYE
-    x, z = np.abs(at[:, 0]) - EYE_CENTRE[0], at[:, 2] - EYE_CENTRE[1]
-    scene.set_gaze(mesh, np.hypot(x, z) / IRIS_RADIUS)
+def _part(name, mesh, kept, into, location):
+    """The kept vertices and their faces as an object, subdivided."""
+    renumbered = np.cumsum(kept) - 1
+    faces = [renumbered[list(p.vertices)].tolist() for p in mesh.polygons if kept[p.vertices[0]]]
+    coarse = bpy.data.meshes.new(name)
+    coarse.from_pydata(scene.positions(mesh.vertices)[kept].tolist(), [], faces)
+    made = bpy.data.objects.new(name, coarse)
+    made.location = location
+    into.objects.link(made)
+    made.modifiers.new("Subdivision", "SUBSURF").levels = LEVELS
+    fine = scene.posed(made, {})
+    made.modifiers.clear()
+    made.data = fine
+    bpy.data.meshes.remove(coarse)
+    fine.name = name
+    fine.polygons.foreach_set("use_smooth", np.ones(len(fine.polygons), dtype=bool))
+    return made
 
 
-def _tiles(obj, suzanne, pairs):
+def _tiles(skin, suzanne, eyes, pairs):
     dot = scene.material("Marker", (0.85, 0.10, 0.03), 0.3)
-    face_frame = {"centre": (0.0, 0.02), "height": 2.9, "turn": 18}
-    monkey_frame = {"centre": (0.06, -0.17), "height": 3.15, "turn": 18}
-    above, below = [], []
-    for row, side, frame, other in ((above, "source", face_frame, obj), (below, "target", monkey_frame, suzanne)):
-        rest = scene.vertices(other)
-        marks = [(rest[getattr(pair, side)], 0.030, dot) for pair in pairs]
-        label = "ICT face" if other is obj else "Suzanne"
-        row.append(Tile([scene.posed(other, {})], label, note=f"{len(pairs)} marker pairs", marks=marks, **frame))
-        for mix_label, mix in source.SHOWN.items():
-            note = "given" if other is obj else "transferred"
-            row.append(Tile([scene.posed(other, mix)], mix_label, note=note, **frame))
-    return [above, below]
+    human = {"centre": (0.03, -0.02), "height": 2.55, "turn": 18}
+    monkey = {"centre": (0.05, -0.20), "height": 2.35, "turn": 18}
+    marked = f"{len(pairs)} marker pairs"
+    rows = []
+    for obj, side, frame, note, others in (
+        (skin, "source", human, "given", ()),
+        (suzanne, "target", monkey, "transferred", (eyes,)),
+    ):
+        rest = scene.vertices(obj)
+        marks = [(rest[getattr(pair, side)], 0.028, dot) for pair in pairs]
+
+        def meshes(mix, obj=obj, others=others):
+            return [scene.posed(obj, mix), *(scene.posed(other, {}) for other in others)]
+
+        row = [Tile(meshes({}), obj.name, note=marked, marks=marks, **frame)]
+        for label, mix in {**source.MIXES, **source.ASKEW}.items():
+            row.append(Tile(meshes(mix), label, note=note, **frame))
+        rows.append(row)
+    return rows
