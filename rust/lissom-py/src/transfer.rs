@@ -73,7 +73,8 @@ fn fit_work(
 /// markers (k, 2): vertex of the source, vertex of the target that belongs to it.
 /// smoothness, identity, closest: the weights w_S, w_I and the largest w_C of the three terms; w_C rises
 /// from 0 through `steps` weights, with `rounds` rounds of closest points at each. match_distance: how
-/// far apart the centroids of matched triangles may be, as a fraction of the target's diagonal.
+/// far the centroid of a triangle may be from the other surface to have a match, as a fraction of the
+/// target's diagonal.
 ///
 /// Returns a Fit. Raises InvalidConstraint for no markers, indices out of range and vertices marked
 /// twice, InvalidValue for options out of range.

@@ -236,7 +236,10 @@ pub(super) struct Neighbours {
 
 impl Neighbours {
     pub fn of(mesh: &Mesh, motions: &[Motion]) -> Self {
-        let pairs: Vec<[u32; 2]> = mesh.adjacency().triangle_pairs().collect();
+        Self::joining(&mesh.adjacency().triangle_pairs().collect::<Vec<_>>(), motions)
+    }
+
+    fn joining(pairs: &[[u32; 2]], motions: &[Motion]) -> Self {
         let mut start = vec![0u32; motions.len() + 1];
         for &t in pairs.iter().flatten() {
             start[t as usize + 1] += 1;
@@ -246,7 +249,7 @@ impl Neighbours {
         }
         let mut next = start.clone();
         let mut edges = vec![(0, 0); 2 * pairs.len()];
-        for [a, b] in pairs {
+        for &[a, b] in pairs {
             let weight = match [a, b].map(|t| motions[t as usize].rotation()) {
                 [Some(r), Some(s)] => distance(r, s),
                 _ => LAST,
@@ -354,5 +357,46 @@ mod tests {
     fn below_half_a_turn_the_shortest_is_taken() {
         let turn = Turn::about(Vec3::Z * 3.0).lift(rotation::exp(Vec3::X * 0.01));
         assert!((turn.omega() - Vec3::X * 0.01).length() < 1e-12);
+    }
+
+    /// Turns about z of triangles whose rotations are by `degrees`, the first of them at rest.
+    fn walked(degrees: &[f64], pairs: &[[u32; 2]]) -> Vec<f64> {
+        let turn = |d: &f64| Motion::Turns(rotation::exp(Vec3::Z * d.to_radians()));
+        let motions: Vec<Motion> = degrees.iter().map(turn).collect();
+        let moved: Vec<u8> = (0..motions.len()).map(|t| if t == 0 { 0 } else { 3 }).collect();
+        let neighbours = Neighbours::joining(pairs, &motions);
+        let turns = consistent(&neighbours, &motions, &moved, &Job::default()).unwrap();
+        turns.iter().map(|turn| turn.omega().z.to_degrees().round()).collect()
+    }
+
+    fn chain(count: usize) -> Vec<[u32; 2]> {
+        (1..count as u32).map(|t| [t - 1, t]).collect()
+    }
+
+    #[test]
+    fn gentle_steps_make_a_whole_turn() {
+        let degrees: Vec<f64> = (0..=16).map(|k| 45.0 * f64::from(k)).collect();
+        assert_eq!(walked(&degrees, &chain(17)), degrees);
+    }
+
+    #[test]
+    fn a_crumple_between_two_regions_makes_none() {
+        let crumple: Vec<f64> = (1..5).map(|k| 72.0 * f64::from(k)).collect();
+        let degrees = [vec![0.0; 20], crumple, vec![0.0; 20]].concat();
+        let found = walked(&degrees, &chain(44));
+        assert_eq!((found[20], found[43]), (72.0, 0.0), "{found:?}");
+    }
+
+    #[test]
+    fn a_turn_that_its_border_denies_is_dropped() {
+        // A patch at -61 degrees along a region at rest, and a gentle way round to it that makes it 299.
+        let way: Vec<f64> = (1..6).map(|k| 50.0 * f64::from(k)).collect();
+        let degrees = [vec![0.0; 20], way, vec![-61.0; 20]].concat();
+        let mut pairs = chain(45);
+        pairs.extend((0..20).map(|t| [t, t + 25]));
+        let found = walked(&degrees, &pairs);
+        assert!(found[25..].iter().all(|&d| d == -61.0), "{found:?}");
+        // Without the border the way round is all there is.
+        assert!(walked(&degrees, &chain(45))[25..].iter().all(|&d| d == 299.0));
     }
 }

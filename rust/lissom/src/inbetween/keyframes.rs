@@ -14,15 +14,22 @@ use rayon::prelude::*;
 use super::Inbetween;
 use crate::{Error, Fault, Job, Result, Vec3};
 
-/// Keys lie on multiples of `1 / GRID`; a power of two.
-const GRID: usize = 512;
+/// Keys lie on multiples of `1 / GRID`; a power of two, fine enough for 32 even segments.
+const GRID: usize = 2048;
+
+/// Errors are looked at on every so many grid times.
+const STRIDE: usize = 2;
 
 /// The path is solved at this many steps at least and at most, and interpolated between them.
 const STEPS: (usize, usize) = (32, 256);
 
 /// Steps are halved until cubic interpolation from every other one is off by at most this fraction of
 /// the tolerance. From all of them it is then off by a sixteenth of that.
-const INTERPOLATION: f64 = 1.0 / 16.0;
+const INTERPOLATION: f64 = 1.0 / 32.0;
+
+/// Share of the tolerance kept in hand for what interpolation and the stride do not see: up to 1/512
+/// for the one, and `(keys STRIDE / GRID)^2`, 1/1024 at 32 keys, for the other.
+const IN_HAND: f64 = 1.0 / 256.0;
 
 /// The least error for a number of keys is found to within this fraction.
 const EVENNESS: f64 = 0.02;
@@ -69,13 +76,14 @@ impl Inbetween {
             return Ok(Keyframes { times: vec![0.0, 1.0], error: 0.0, warnings: Vec::new() });
         };
 
+        let aim = tolerance * (1.0 - IN_HAND);
         let mut known = vec![farthest];
         loop {
             job.check()?;
             let few: Vec<Track> = known.iter().map(|&i| refined(&tracks[i])).collect();
-            let enough = fewest(&few, tolerance, max_keys, job)?;
+            let enough = fewest(&few, aim, max_keys, job)?;
             let (keys, least) = evenly(&few, enough.as_ref().map_or(max_keys, Vec::len), job)?;
-            let allowed = if enough.is_some() { tolerance } else { least * (1.0 + EVENNESS) };
+            let allowed = if enough.is_some() { aim } else { least * (1.0 + EVENNESS) };
             let worst = worst(&tracks, &keys);
             let offenders = worst.iter().filter(|(error, i)| *error > allowed && !known.contains(i));
             let mut offenders: Vec<usize> = offenders.map(|&(_, i)| i).collect();
@@ -158,12 +166,17 @@ fn error_squared(track: &Track, a: usize, b: usize, s: usize) -> f64 {
     track[a].lerp(track[b], share).distance_squared(track[s])
 }
 
+/// The grid times between two keys at which errors are looked at.
+fn between(a: usize, b: usize) -> impl Iterator<Item = usize> {
+    (a + 1..b).step_by(STRIDE)
+}
+
 /// The fewest keys, as grid times, that keep `tracks` within `tolerance`; `None` if more than `most`.
 fn fewest(tracks: &[Track], tolerance: f64, most: usize, job: &Job) -> Result<Option<Vec<usize>>> {
     let limit = tolerance * tolerance;
     let good = |a: usize, b: usize, s: usize| tracks.iter().all(|y| error_squared(y, a, b, s) <= limit);
     // The middle first: where a chord is too long, it shows there.
-    let fits = |a: usize, b: usize| good(a, b, a.midpoint(b)) && (a + 1..b).all(|s| good(a, b, s));
+    let fits = |a: usize, b: usize| good(a, b, a.midpoint(b)) && between(a, b).all(|s| good(a, b, s));
 
     let mut from = vec![None; GRID + 1];
     let mut level = vec![0];
@@ -193,7 +206,7 @@ fn fewest(tracks: &[Track], tolerance: f64, most: usize, job: &Job) -> Result<Op
 /// The choice of `count` keys whose largest error over `tracks` is least, and that error, both
 /// to within [`EVENNESS`].
 fn evenly(tracks: &[Track], count: usize, job: &Job) -> Result<(Vec<usize>, f64)> {
-    let chord = tracks.iter().flat_map(|y| (1..GRID).map(|s| error_squared(y, 0, GRID, s)));
+    let chord = tracks.iter().flat_map(|y| between(0, GRID).map(|s| error_squared(y, 0, GRID, s)));
     let straight = chord.fold(0.0, f64::max).sqrt();
     let (mut low, mut high) = (0.0, straight);
     let mut best = vec![0, GRID];
@@ -215,7 +228,7 @@ fn worst(tracks: &[Track], keys: &[usize]) -> Vec<(f64, usize)> {
     let errors = tracks.par_iter().enumerate().fold(none, |mut errors, (i, track)| {
         let track = refined(track);
         for (error, key) in errors.iter_mut().zip(keys.windows(2)) {
-            let here = (key[0] + 1..key[1]).map(|s| error_squared(&track, key[0], key[1], s));
+            let here = between(key[0], key[1]).map(|s| error_squared(&track, key[0], key[1], s));
             *error = larger(*error, (here.fold(0.0, f64::max), i));
         }
         errors

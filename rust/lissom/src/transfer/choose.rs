@@ -81,8 +81,9 @@ struct Patches {
     triangles: Vec<u32>,
     /// Neighbours of a patch: place of the patch triangle, matched target triangle.
     border: Vec<(u32, u32)>,
-    /// Target triangles across an edge of the patch, by place.
-    inner: Vec<(u32, u32)>,
+    /// The patch of each of them, and how many patches there are.
+    patch: Vec<u32>,
+    count: usize,
     factor: Factor,
 }
 
@@ -140,7 +141,8 @@ impl Chooser {
             matrix.add_to_diagonal(a as usize, 1.0);
         }
         let factor = Symbolic::analyse(&matrix)?.factor(&matrix)?;
-        Ok(Some(Patches { triangles, border, inner, factor }))
+        let (patch, count) = groups(triangles.len(), &inner);
+        Ok(Some(Patches { triangles, border, patch, count, factor }))
     }
 
     /// `C_t - I` of every target triangle.
@@ -188,24 +190,37 @@ impl Patches {
     }
 
     fn spread(&self, moves: &mut [bool]) {
-        let mut reached = vec![false; self.triangles.len()];
+        let mut reached = vec![false; self.count];
         for &(place, neighbour) in &self.border {
-            reached[place as usize] |= moves[neighbour as usize];
+            reached[self.patch[place as usize] as usize] |= moves[neighbour as usize];
         }
-        // Patches are small; sweep until nothing more is reached.
-        loop {
-            let mut more = false;
-            for &(a, b) in &self.inner {
-                let either = reached[a as usize] || reached[b as usize];
-                more |= either && !(reached[a as usize] && reached[b as usize]);
-                (reached[a as usize], reached[b as usize]) = (either, either);
-            }
-            if !more {
-                break;
-            }
-        }
-        for (&t, reached) in self.triangles.iter().zip(reached) {
-            moves[t as usize] = reached;
+        for (&t, &patch) in self.triangles.iter().zip(&self.patch) {
+            moves[t as usize] = reached[patch as usize];
         }
     }
+}
+
+/// Numbers the groups that `pairs` of `0..count` hang together in: each one's group, and how many.
+fn groups(count: usize, pairs: &[(u32, u32)]) -> (Vec<u32>, usize) {
+    let mut neighbours = vec![Vec::new(); count];
+    for &(a, b) in pairs {
+        neighbours[a as usize].push(b);
+        neighbours[b as usize].push(a);
+    }
+    let mut group = vec![u32::MAX; count];
+    let mut groups = 0;
+    for first in 0..count {
+        if group[first] != u32::MAX {
+            continue;
+        }
+        let mut open = vec![first];
+        while let Some(at) = open.pop() {
+            if group[at] == u32::MAX {
+                group[at] = groups;
+                open.extend(neighbours[at].iter().map(|&next| next as usize));
+            }
+        }
+        groups += 1;
+    }
+    (group, groups as usize)
 }

@@ -61,13 +61,33 @@ impl Surface {
 
     /// The nearest point where the surface faces the way of `normal`; `None` where nothing does.
     pub fn closest_compatible_point(&self, point: Vec3, normal: Vec3) -> Option<Hit> {
-        self.nearest(point, f64::INFINITY, |t| self.compatible(t, normal).then(|| self.project(t, point)))
+        self.closest_compatible_point_on(point, normal, f64::INFINITY, |_| true)
     }
 
-    /// The triangle with the nearest centroid among those that face the way of `normal` and lie
-    /// within `reach`.
-    pub fn closest_compatible_centroid(&self, point: Vec3, normal: Vec3, reach: f64) -> Option<Hit> {
-        self.nearest(point, reach, |t| self.compatible(t, normal).then(|| self.centroid(t)))
+    /// The same within `reach`, on triangles that are accepted.
+    pub fn closest_compatible_point_on(
+        &self,
+        point: Vec3,
+        normal: Vec3,
+        reach: f64,
+        accept: impl Fn(usize) -> bool,
+    ) -> Option<Hit> {
+        self.nearest(point, reach, |t| {
+            (accept(t) && self.compatible(t, normal)).then(|| self.project(t, point))
+        })
+    }
+
+    /// The triangle with the nearest centroid among those that face the way of `normal` and are
+    /// accepted.
+    pub fn closest_compatible_centroid(
+        &self,
+        point: Vec3,
+        normal: Vec3,
+        accept: impl Fn(usize) -> bool,
+    ) -> Option<Hit> {
+        self.nearest(point, f64::INFINITY, |t| {
+            (accept(t) && self.compatible(t, normal)).then(|| self.centroid(t))
+        })
     }
 
     fn compatible(&self, triangle: usize, normal: Vec3) -> bool {
@@ -119,12 +139,15 @@ mod tests {
     }
 
     #[test]
-    fn centroids_are_found_within_reach_only() {
+    fn centroids_are_centroids_and_reach_is_to_the_surface() {
         let point = Vec3::new(2.0 / 3.0, 1.0 / 3.0, 0.3);
-        let hit = sheet().closest_compatible_centroid(point, Vec3::Z, 0.21).unwrap();
+        let hit = sheet().closest_compatible_centroid(point, Vec3::Z, |_| true).unwrap();
         assert_eq!(hit.triangle, 0);
         assert!((hit.distance - 0.2).abs() < 1e-12);
-        assert!(sheet().closest_compatible_centroid(point, Vec3::Z, 0.19).is_none());
+        let within = |reach| sheet().closest_compatible_point_on(point, Vec3::Z, reach, |_| true).is_some();
+        assert!(within(0.21) && !within(0.19));
+        let other = sheet().closest_compatible_centroid(point, Vec3::Z, |t| t != 0).unwrap();
+        assert_eq!(other.triangle, 1);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The quadratic energy of the fit and its normal equations.
 //!
 //! ```text
-//!     E(x, q) =  w_S sum_{i,j adjacent} |Q_i - Q_j|^2  +  w_I sum_i |Q_i - I|^2  +  sum_v w_v |x_v - c_v|^2
+//!     E(x, q) =  w_S sum_i sum_{j beside i} |Q_i - Q_j|^2  +  w_I sum_i |Q_i - I|^2  +  sum_v w_v |x_v - c_v|^2
 //!     Q_i     =  sum_c x_c grad phi_c^T  +  q_i n_i^T
 //! ```
 //!
@@ -88,15 +88,17 @@ impl Energy {
         };
 
         let elements = elements(mesh, size);
+        // Each pair of neighbours is summed from either side.
+        let smoothness = 2.0 * weights.smoothness;
         let mut own = vec![weights.identity; m];
         for [i, j] in mesh.adjacency().triangle_pairs() {
-            own[i as usize] += weights.smoothness;
-            own[j as usize] += weights.smoothness;
+            own[i as usize] += smoothness;
+            own[j as usize] += smoothness;
             for (a, row) in elements[i as usize] {
                 for (b, column) in elements[j as usize] {
                     // The mirrored block -B_j^T B_i meets this one on the diagonal.
                     let twice = if a == b { 2.0 } else { 1.0 };
-                    add(a, b, -twice * weights.smoothness * row.dot(column));
+                    add(a, b, -twice * smoothness * row.dot(column));
                 }
             }
         }
@@ -149,9 +151,88 @@ impl Energy {
             }
         }
     }
+}
 
-    /// Number of values in a factor.
-    pub fn factor_size(&self) -> usize {
-        self.symbolic.factor_size()
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Mat3;
+    use crate::transfer::testing::bumpy_grid;
+    use faer::prelude::Solve;
+
+    /// `V^-1` of the note and of Sumner & Popović (2004), with the fourth vertex
+    /// `v_0 + c / sqrt |c|`, `c` the cross product of the edges, written out.
+    fn inverse_frame(corners: [Vec3; 3]) -> Mat3 {
+        let (a, b) = (corners[1] - corners[0], corners[2] - corners[0]);
+        let cross = a.cross(b);
+        Mat3::from_cols(a, b, cross / cross.length().sqrt()).inverse()
+    }
+
+    /// The rows of `Q_t^T` in the n + m unknowns, dense.
+    fn gradient_rows(mesh: &Mesh, size: f64, t: usize) -> [Vec<f64>; 3] {
+        let n = mesh.vertices().len();
+        let corners = mesh.triangles()[t];
+        let inverse = inverse_frame(corners.map(|v| mesh.rest()[v as usize] * size));
+        std::array::from_fn(|axis| {
+            let mut row = vec![0.0; n + mesh.triangles().len()];
+            let column = inverse.col(axis);
+            row[corners[0] as usize] = -column.element_sum();
+            row[corners[1] as usize] = column.x;
+            row[corners[2] as usize] = column.y;
+            row[n + t] = column.z;
+            row
+        })
+    }
+
+    #[test]
+    fn the_minimum_is_that_of_the_dense_system_with_explicit_fourth_vertices() {
+        let (mesh, size, weights) = (bumpy_grid(4), 1.7, Weights { smoothness: 1.0, identity: 0.05 });
+        let (n, m) = (mesh.vertices().len(), mesh.triangles().len());
+        let mut fixed = vec![None; n];
+        fixed[0] = Some(Vec3::new(-0.9, -0.8, 0.1));
+        fixed[7] = Some(Vec3::new(0.2, 0.3, 0.4));
+        let pull: Vec<f64> = (0..n).map(|v| 0.1 * (v % 3) as f64).collect();
+        let points: Vec<Vec3> = mesh.rest().iter().map(|&v| v * 2.0 + Vec3::new(0.0, 0.1, v.x)).collect();
+
+        let energy = Energy::new(&mesh, size, weights, &fixed).unwrap();
+        let mut x = vec![Vec3::ZERO; n];
+        x[0] = fixed[0].unwrap();
+        x[7] = fixed[7].unwrap();
+        energy.minimise(&energy.factor(&pull).unwrap(), &pull, &points, &mut x);
+
+        // Least squares A u = b, one row per equation, each weighted by the root of its weight.
+        let rows: Vec<[Vec<f64>; 3]> = (0..m).map(|t| gradient_rows(&mesh, size, t)).collect();
+        let mut equations: Vec<(Vec<f64>, Vec3)> = Vec::new();
+        for t in 0..m {
+            for (axis, row) in rows[t].iter().enumerate() {
+                let root = weights.identity.sqrt();
+                equations.push((row.iter().map(|r| r * root).collect(), Vec3::AXES[axis] * root));
+                for [i, j] in mesh.adjacency().triangle_pairs() {
+                    if i as usize == t || j as usize == t {
+                        // Once from either side, as the double sum of the note has it.
+                        let root = weights.smoothness.sqrt();
+                        let (a, b) = (&rows[i as usize][axis], &rows[j as usize][axis]);
+                        equations.push((a.iter().zip(b).map(|(a, b)| (a - b) * root).collect(), Vec3::ZERO));
+                    }
+                }
+            }
+        }
+        for v in 0..n {
+            let mut row = vec![0.0; n + m];
+            row[v] = pull[v].sqrt();
+            equations.push((row, points[v] * pull[v].sqrt()));
+        }
+        let free: Vec<usize> = (0..n + m).filter(|&u| u >= n || fixed[u].is_none()).collect();
+        let a = faer::Mat::from_fn(equations.len(), free.len(), |i, j| equations[i].0[free[j]]);
+        let b = faer::Mat::from_fn(equations.len(), 3, |i, axis| {
+            let known: f64 = (0..n).filter_map(|v| fixed[v].map(|p| equations[i].0[v] * p[axis])).sum();
+            equations[i].1[axis] - known
+        });
+        let dense = (a.transpose() * &a).partial_piv_lu().solve(a.transpose() * &b);
+        for (row, &v) in free.iter().enumerate().take_while(|(_, v)| **v < n) {
+            let expected = Vec3::new(dense[(row, 0)], dense[(row, 1)], dense[(row, 2)]);
+            assert!((x[v] - expected).length() < 1e-10, "vertex {v}: {} against {expected}", x[v]);
+        }
+        assert_eq!((Some(x[0]), Some(x[7])), (fixed[0], fixed[7]));
     }
 }

@@ -22,14 +22,16 @@ use rayon::prelude::*;
 use super::carry::Carry;
 use super::closest::{Hit, Surface};
 use super::energy::{Energy, Weights};
+use super::partners::{Overlap, Partners, triangle_components};
 use super::{markers, matching};
+use crate::operators::mass::lumped_mass;
 use crate::{Error, Fault, Job, Mesh, Result, Vec3};
 
 /// The target's diagonal in the units that the weights are meant for; here it is 1.
 const DIAGONAL: f64 = 10.0;
 
 /// How far each round is extrapolated, in steps of the one before. Measured on cat to lion: the
-/// distance left by six weights of four rounds falls by a ninth against 0, and 1 begins to swing.
+/// distance left by six weights of four rounds falls by a ninth against 0; 1 gains little more.
 const EXTRAPOLATION: f64 = 0.8;
 
 /// A vertex is stuck on the wrong side when the nearest point that faces its way is further away
@@ -53,8 +55,8 @@ pub struct FitOptions {
     pub steps: usize,
     /// Rounds of closest points at each weight.
     pub rounds: usize,
-    /// How far apart the centroids of matched triangles may be, as a fraction of the target's
-    /// diagonal.
+    /// How far the centroid of a triangle may be from the other surface to be matched there, as a
+    /// fraction of the target's diagonal.
     pub match_distance: f64,
 }
 
@@ -199,17 +201,19 @@ fn pull(
     energy.minimise(&energy.factor(&hold)?, &hold, &rest, &mut x);
     carry_unmarked(source, &marked, &mut x);
 
+    let mut look_up = LookUp::new(source, target, surface, options.match_distance);
     let total = options.steps * options.rounds;
     let mut rounds = 0;
     for weight in options.pulls() {
         let mut before: Option<Vec<Vec3>> = None;
         let mut factored = None;
+        look_up.find_partners(&x, job)?;
         for _ in 0..options.rounds {
             let from: Vec<Vec3> = match &before {
                 Some(before) => x.iter().zip(before).map(|(&x, &b)| x + (x - b) * EXTRAPOLATION).collect(),
                 None => x.clone(),
             };
-            let hits = closest_points(source, &from, surface, job)?;
+            let hits = look_up.closest_points(&from, job)?;
             let points: Vec<Vec3> = hits.iter().zip(&from).map(|(h, &x)| h.map_or(x, |h| h.point)).collect();
             let (pull, factor) = match &factored {
                 Some(factored) => factored,
@@ -254,23 +258,70 @@ fn carry_unmarked(source: &Mesh, marked: &[bool], x: &mut [Vec3]) {
     }
 }
 
-/// The closest compatible point of every vertex; `None` where nothing faces its way.
-fn closest_points(mesh: &Mesh, x: &[Vec3], surface: &Surface, job: &Job) -> Result<Vec<Option<Hit>>> {
-    let mut normals = vec![Vec3::ZERO; x.len()];
-    for t in mesh.triangles() {
-        let [a, b, c] = t.map(|v| x[v as usize]);
-        let cross = (b - a).cross(c - a);
-        for &v in t {
-            normals[v as usize] += cross;
+/// Looks up closest compatible points, on the partner of each component where it has one.
+struct LookUp<'a> {
+    source: &'a Mesh,
+    target: &'a Mesh,
+    surface: &'a Surface,
+    component: Vec<u32>,
+    partners: Partners,
+    /// How much further away the partner may be than the nearest surface.
+    detour: f64,
+}
+
+impl<'a> LookUp<'a> {
+    fn new(source: &'a Mesh, target: &'a Mesh, surface: &'a Surface, detour: f64) -> Self {
+        let partners = Partners::none([source.components().count(), target.components().count()]);
+        Self { source, target, surface, component: triangle_components(target), partners, detour }
+    }
+
+    /// Finds out which components belong together, from the vertices at `x`.
+    fn find_partners(&mut self, x: &[Vec3], job: &Job) -> Result<()> {
+        let counts = [self.source.components().count(), self.target.components().count()];
+        self.partners = Partners::none(counts);
+        if counts == [1, 1] {
+            return Ok(());
         }
+        let mass = lumped_mass(self.source);
+        let mut overlap = Overlap::new(counts);
+        for (v, hit) in self.closest_points(x, job)?.iter().enumerate() {
+            if let (Some(hit), Some(c)) = (hit, self.source.components().of_vertex(v)) {
+                overlap.add(c as u32, self.component[hit.triangle], mass[v]);
+            }
+        }
+        self.partners = overlap.partners();
+        Ok(())
     }
-    let mut hits = Vec::with_capacity(x.len());
-    for start in (0..x.len()).step_by(BATCH) {
-        job.check()?;
-        let batch = (start..x.len().min(start + BATCH)).into_par_iter();
-        hits.par_extend(batch.map(|v| surface.closest_compatible_point(x[v], normals[v])));
+
+    /// The closest compatible point of every vertex; `None` where nothing faces its way.
+    fn closest_points(&self, x: &[Vec3], job: &Job) -> Result<Vec<Option<Hit>>> {
+        let mut normals = vec![Vec3::ZERO; x.len()];
+        for t in self.source.triangles() {
+            let [a, b, c] = t.map(|v| x[v as usize]);
+            let cross = (b - a).cross(c - a);
+            for &v in t {
+                normals[v as usize] += cross;
+            }
+        }
+        let closest = |v: usize| {
+            let any = self.surface.closest_compatible_point(x[v], normals[v])?;
+            let partner = self.source.components().of_vertex(v).and_then(|c| self.partners.of_source[c]);
+            match partner {
+                Some(partner) if self.component[any.triangle] != partner => {
+                    let reach = any.distance + self.detour;
+                    let accept = |t: usize| self.component[t] == partner;
+                    self.surface.closest_compatible_point_on(x[v], normals[v], reach, accept).or(Some(any))
+                }
+                _ => Some(any),
+            }
+        };
+        let mut hits = Vec::with_capacity(x.len());
+        for start in (0..x.len()).step_by(BATCH) {
+            job.check()?;
+            hits.par_extend((start..x.len().min(start + BATCH)).into_par_iter().map(closest));
+        }
+        Ok(hits)
     }
-    Ok(hits)
 }
 
 /// Matches the triangles and takes stock.
@@ -284,7 +335,7 @@ fn conclude(
     job: &Job,
 ) -> Result<Fit> {
     let frame = target.frame();
-    let hits = closest_points(source, x, surface, job)?;
+    let hits = LookUp::new(source, target, surface, 0.0).closest_points(x, job)?;
     let distances: Vec<f64> = hits.iter().flatten().map(|h| h.distance).collect();
     let mean = distances.iter().sum::<f64>() / distances.len().max(1) as f64;
     let largest = distances.iter().copied().fold(0.0, f64::max);
@@ -302,7 +353,9 @@ fn conclude(
         ));
     }
 
-    let pairs = matching::match_triangles(&fitted, surface, options.match_distance, job)?;
+    let sides =
+        [(source, &fitted), (target, surface)].map(|(mesh, surface)| matching::Side::new(mesh, surface));
+    let pairs = matching::match_triangles(&sides[0], &sides[1], options.match_distance, job)?;
     for (side, mesh) in [source, target].into_iter().enumerate() {
         let mut matched = vec![false; mesh.triangles().len()];
         for pair in &pairs {
@@ -310,7 +363,7 @@ fn conclude(
         }
         let count = matched.iter().filter(|m| !**m).count();
         let unmatched = mesh.areas().iter().zip(&matched).filter(|(_, m)| !**m);
-        let percent = 100.0 * unmatched.map(|(a, _)| a).sum::<f64>() / mesh.areas().iter().sum::<f64>();
+        let percent = 100.0 * unmatched.fold(0.0, |sum, (a, _)| sum + a) / mesh.areas().iter().sum::<f64>();
         if side == 0 {
             (report.unmatched_source_triangles, report.unmatched_source_percent) = (count, percent);
         } else {
@@ -340,4 +393,156 @@ fn flipped(fitted: &Surface, target: &Surface) -> usize {
         compatible.is_none_or(|hit| hit.distance > nearest.distance + FLIPPED)
     };
     (0..fitted.normals().len()).into_par_iter().filter(is_flipped).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::transfer::testing::{bumpy_grid, grid, nosed_sphere};
+
+    fn fit(source: &Mesh, target: &Mesh, markers: &[[u32; 2]]) -> Result<Fit> {
+        fit_correspondence(source, target, markers, &FitOptions::default(), &Job::default())
+    }
+
+    fn sphere(rings: usize, around: usize) -> Mesh {
+        let (vertices, triangles) = nosed_sphere(rings, around);
+        Mesh::new(vertices, triangles).unwrap()
+    }
+
+    /// The vertices of `target` that are nearest to a few well spread ones of `source`.
+    fn spread_markers(source: &Mesh, target: &Mesh, step: usize) -> Vec<[u32; 2]> {
+        let nearest = |p: Vec3| {
+            let distance = |v: &usize| target.vertices()[*v].distance(p);
+            (0..target.vertices().len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap() as u32
+        };
+        let mut markers: Vec<[u32; 2]> = (0..source.vertices().len())
+            .step_by(step)
+            .map(|v| [v as u32, nearest(source.vertices()[v])])
+            .collect();
+        markers.sort_unstable_by_key(|m| m[1]);
+        markers.dedup_by_key(|m| m[1]);
+        markers
+    }
+
+    #[test]
+    fn a_mesh_fits_itself_exactly() {
+        let mesh = bumpy_grid(12);
+        let fit = fit(&mesh, &mesh, &[[0, 0], [11, 11], [132, 132], [70, 70]]).unwrap();
+        for (a, b) in fit.fitted_vertices.iter().zip(mesh.vertices()) {
+            assert!((*a - *b).length() < 1e-8);
+        }
+        let same: Vec<[u32; 2]> = (0..mesh.triangles().len() as u32).map(|t| [t, t]).collect();
+        assert_eq!(fit.pairs, same);
+        assert!(fit.report.distance_max < 1e-8 && fit.report.warnings.is_empty());
+    }
+
+    #[test]
+    fn a_coarse_surface_is_pulled_onto_a_fine_one_of_another_size_and_place() {
+        let source = sphere(12, 20);
+        let (vertices, triangles) = nosed_sphere(23, 31);
+        let markers = spread_markers(&source, &Mesh::new(vertices.clone(), triangles.clone()).unwrap(), 19);
+        let moved = |v: &Vec3| *v * 7.0 + Vec3::new(100.0, -40.0, 3.0);
+        let target = Mesh::new(vertices.iter().map(moved).collect(), triangles).unwrap();
+        let fit = fit(&source, &target, &markers).unwrap();
+        assert!(fit.report.distance_max_percent < 0.5, "{:?}", fit.report);
+        assert_eq!(fit.report.unmatched_target_triangles, 0);
+        assert_eq!(fit.report.flipped_triangles, 0);
+        for [s, t] in markers {
+            let gap = fit.fitted_vertices[s as usize].distance(target.vertices()[t as usize]);
+            assert!(gap < 1e-12 * target.frame().scale, "markers are exact");
+        }
+    }
+
+    #[test]
+    fn row_28_a_marker_twice_names_the_pair() {
+        let mesh = bumpy_grid(5);
+        for (markers, text) in [
+            ([[0, 1], [4, 4], [0, 7]], "source vertex 0 is marked twice, (0, 1) and (0, 7)"),
+            ([[0, 1], [4, 4], [9, 1]], "target vertex 1 is marked twice, (0, 1) and (9, 1)"),
+        ] {
+            let error = fit(&mesh, &mesh, &markers).unwrap_err();
+            assert!(matches!(error, Error::InvalidConstraint(_)));
+            assert!(error.to_string().contains(text), "{error}");
+        }
+    }
+
+    #[test]
+    fn rows_9_and_27_markers_missing_few_collinear_or_out_of_range() {
+        let mesh = bumpy_grid(5);
+        let refused = fit(&mesh, &mesh, &[]).unwrap_err().to_string();
+        assert!(refused.contains("markers: none given"), "{refused}");
+        let refused = fit(&mesh, &mesh, &[[0, 0], [3, 25]]).unwrap_err().to_string();
+        assert!(
+            refused.contains("target vertex out of range, the mesh has 25 (at 1; 1 in all)"),
+            "{refused}"
+        );
+        let few = fit(&mesh, &mesh, &[[0, 0], [24, 24]]).unwrap().report.warnings;
+        assert!(few.iter().any(|w| w.contains("only 2")), "{few:?}");
+        let (square, triangles) = grid(5);
+        let lattice = (0..square.len()).map(|v| (f64::from(v as u32 % 5), f64::from(v as u32 / 5)));
+        let flat = lattice.map(|(x, y)| Vec3::new(x, y, 0.1 * x * y)).collect();
+        let flat = Mesh::new(flat, triangles).unwrap();
+        let line = fit(&flat, &flat, &[[0, 0], [10, 10], [20, 20]]).unwrap().report.warnings;
+        assert!(line.iter().any(|w| w.contains("on one line")), "{line:?}");
+    }
+
+    #[test]
+    fn row_29_swapped_sides_are_told_with_the_count() {
+        let (source, target) = (sphere(12, 20), sphere(14, 24));
+        let mut markers = spread_markers(&source, &target, 19);
+        // Mirror in y: left and right change places.
+        let mirrored = |v: u32| {
+            let p = target.vertices()[v as usize] * Vec3::new(1.0, -1.0, 1.0);
+            let distance = |v: &u32| target.vertices()[*v as usize].distance(p);
+            (0..target.vertices().len() as u32).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
+        };
+        for marker in &mut markers {
+            marker[1] = mirrored(marker[1]);
+        }
+        let report = fit(&source, &target, &markers).unwrap().report;
+        assert!(report.flipped_triangles > 0);
+        let told = format!("{} of {} fitted triangles", report.flipped_triangles, source.triangles().len());
+        assert!(report.warnings.iter().any(|w| w.contains(&told)), "{:?}", report.warnings);
+    }
+
+    #[test]
+    fn loose_parts_without_markers_are_carried_along() {
+        // A ball beside the grid, in both meshes; only the grid is marked.
+        let part = |n: usize, around: usize, map: &dyn Fn(Vec3) -> Vec3| {
+            let (mut vertices, mut triangles) = grid(n);
+            let (ball, faces) = nosed_sphere(6, around);
+            let first = vertices.len() as u32;
+            vertices.extend(ball.iter().map(|&p| p * 0.1 + Vec3::new(0.5, 0.5, 0.4)));
+            triangles.extend(faces.iter().map(|t| t.map(|v| v + first)));
+            Mesh::new(vertices.into_iter().map(map).collect(), triangles).unwrap()
+        };
+        let map = |p: Vec3| Vec3::new(1.1 * p.x, 0.9 * p.y, p.z) * 30.0 + Vec3::splat(5.0);
+        let (source, target) = (part(9, 8, &|p| p), part(17, 11, &map));
+        let markers = [[0, 0], [8, 16], [40, 144], [72, 272], [80, 288]];
+        let fit = fit(&source, &target, &markers).unwrap();
+        let (first, faces) = (81, 2 * 8 * 8);
+        for v in first..source.vertices().len() {
+            let gap = fit.fitted_vertices[v].distance(map(source.vertices()[v]));
+            assert!(gap < 0.02 * target.frame().scale, "vertex {v} is off by {gap}");
+        }
+        let across = fit.pairs.iter().filter(|p| (p[0] < faces) != (p[1] < 2 * 16 * 16)).count();
+        assert_eq!(across, 0, "no pair joins the ball to the grid");
+    }
+
+    #[test]
+    fn row_40_a_cancelled_job_stops() {
+        let (mesh, job) = (bumpy_grid(5), Job::default());
+        job.cancel();
+        let outcome = fit_correspondence(&mesh, &mesh, &[[0, 0]], &FitOptions::default(), &job);
+        assert!(matches!(outcome, Err(Error::Cancelled)));
+    }
+
+    #[test]
+    fn row_3_options_must_be_positive_numbers() {
+        let mesh = bumpy_grid(5);
+        let options = FitOptions { identity: f64::NAN, ..FitOptions::default() };
+        let error = fit_correspondence(&mesh, &mesh, &[[0, 0]], &options, &Job::default()).unwrap_err();
+        assert!(matches!(error, Error::InvalidValue(_)));
+        assert_eq!(error.to_string(), "identity: must be a positive number, got NaN");
+    }
 }

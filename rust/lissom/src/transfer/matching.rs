@@ -1,42 +1,90 @@
 //! Matching: which source triangle belongs to which target triangle, many to many.
 //!
 //! Once the source is fitted, every triangle of either mesh is matched with the triangle of the
-//! other whose centroid is nearest, among those that face the same way and lie within reach (Sumner
-//! & Popović 2004, section 4.3).
+//! other whose centroid is nearest, among those that face the same way, if the surface is within
+//! reach (Sumner & Popović 2004, section 4.3).
+//!
+//! A triangle whose component has a partner ([`super::partners`]) within reach is matched there, although
+//! another component may be nearer.
 
 use rayon::prelude::*;
 
 use super::closest::Surface;
-use crate::{Job, Result};
+use super::partners::{Overlap, Partners, triangle_components};
+use crate::{Job, Mesh, Result};
 
 /// Triangles looked up between two looks at the job.
 const BATCH: usize = 4096;
 
-/// Pairs `(triangle of source, triangle of target)`, sorted, each once, as the surfaces count them.
+/// One of the two meshes, where the fit has put it.
+pub struct Side<'a> {
+    mesh: &'a Mesh,
+    surface: &'a Surface,
+    /// Component of each triangle.
+    component: Vec<u32>,
+}
+
+/// For each triangle, its match.
+type Matches = Vec<Option<u32>>;
+
+impl<'a> Side<'a> {
+    /// `surface` holds the triangles of `mesh` at their fitted positions.
+    pub fn new(mesh: &'a Mesh, surface: &'a Surface) -> Self {
+        Self { mesh, surface, component: triangle_components(mesh) }
+    }
+
+    /// The match of every triangle in `other`; in the partner of its component where that is within
+    /// reach.
+    fn nearest(&self, other: &Side, partner: &[Option<u32>], reach: f64, job: &Job) -> Result<Matches> {
+        let count = self.component.len();
+        let mut found = Vec::with_capacity(count);
+        for start in (0..count).step_by(BATCH) {
+            job.check()?;
+            let batch = (start..count.min(start + BATCH)).into_par_iter().map(|t| {
+                let (at, normal) = (self.surface.centroid(t), self.surface.normals()[t]);
+                // Reach is measured to the surface: centroids of large triangles are far from anything.
+                let look = |accept: &(dyn Fn(usize) -> bool + Sync)| {
+                    other.surface.closest_compatible_point_on(at, normal, reach, accept)?;
+                    other.surface.closest_compatible_centroid(at, normal, accept)
+                };
+                let partner = partner[self.component[t] as usize];
+                let hit = partner
+                    .and_then(|partner| look(&|s| other.component[s] == partner))
+                    .or_else(|| look(&|_| true));
+                hit.map(|hit| hit.triangle as u32)
+            });
+            found.par_extend(batch);
+        }
+        Ok(found)
+    }
+}
+
+/// Pairs `(triangle of source, triangle of target)`, sorted, each once, among the triangles in use.
 ///
 /// # Errors
 ///
 /// [`crate::Error::Cancelled`].
-pub fn match_triangles(source: &Surface, target: &Surface, reach: f64, job: &Job) -> Result<Vec<[u32; 2]>> {
-    let mut pairs: Vec<[u32; 2]> =
-        nearest(source, target, reach, job)?.into_iter().map(|[s, t]| [s, t]).collect();
-    pairs.extend(nearest(target, source, reach, job)?.into_iter().map(|[t, s]| [s, t]));
+pub fn match_triangles(source: &Side, target: &Side, reach: f64, job: &Job) -> Result<Vec<[u32; 2]>> {
+    let counts = [source, target].map(|side| side.mesh.components().count());
+    let mut partners = Partners::none(counts);
+    let mut of_source = source.nearest(target, &partners.of_source, reach, job)?;
+    let mut of_target = target.nearest(source, &partners.of_target, reach, job)?;
+    if counts != [1, 1] {
+        let mut overlap = Overlap::new(counts);
+        for (s, t) in of_source.iter().enumerate().filter_map(|(s, t)| t.map(|t| (s, t as usize))) {
+            overlap.add(source.component[s], target.component[t], source.mesh.areas()[s]);
+        }
+        for (t, s) in of_target.iter().enumerate().filter_map(|(t, s)| s.map(|s| (t, s as usize))) {
+            overlap.add(source.component[s], target.component[t], target.mesh.areas()[t]);
+        }
+        partners = overlap.partners();
+        of_source = source.nearest(target, &partners.of_source, reach, job)?;
+        of_target = target.nearest(source, &partners.of_target, reach, job)?;
+    }
+    let forth = (0u32..).zip(&of_source).filter_map(|(s, t)| t.map(|t| [s, t]));
+    let back = (0u32..).zip(&of_target).filter_map(|(t, s)| s.map(|s| [s, t]));
+    let mut pairs: Vec<[u32; 2]> = forth.chain(back).collect();
     pairs.sort_unstable();
     pairs.dedup();
     Ok(pairs)
-}
-
-/// For each triangle of `from` that has a match in `to`: itself and its match.
-fn nearest(from: &Surface, to: &Surface, reach: f64, job: &Job) -> Result<Vec<[u32; 2]>> {
-    let count = from.normals().len();
-    let mut found = Vec::with_capacity(count);
-    for start in (0..count).step_by(BATCH) {
-        job.check()?;
-        let batch = (start..count.min(start + BATCH)).into_par_iter().filter_map(|t| {
-            let hit = to.closest_compatible_centroid(from.centroid(t), from.normals()[t], reach)?;
-            Some([t as u32, hit.triangle as u32])
-        });
-        found.par_extend(batch);
-    }
-    Ok(found)
 }

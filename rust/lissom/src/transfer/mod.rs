@@ -8,7 +8,7 @@
 //! Graphics 23(3), 2004).
 //!
 //! 1. **Fit** ([`fit`]): the source is pulled onto the target, markers on markers, as smoothly as it
-//!    goes. Triangles that come to lie on each other belong together ([`matching`]). This takes no key
+//!    goes. Triangles that come to lie on each other belong together (`matching`). This takes no key
 //!    and is done once.
 //! 2. **Apply** ([`apply`]): each target triangle is asked to change as its matches do (`choose`), the
 //!    target is stitched ([`crate::stitch`]), and its components are put in their place (`place`).
@@ -19,18 +19,21 @@
 //! |---|---|
 //! | `Q_s`, `C_t` | gradient of a source triangle, target matrix of a target triangle |
 //! | `E_S`, `E_I`, `E_C` | smoothness, identity and closest-point terms of the fit, with weights `w` |
-//! | `c_v` | closest compatible point: the nearest whose normal is within 90 degrees ([`closest`]) |
+//! | `c_v` | closest compatible point: the nearest whose normal is within 90 degrees (`closest`) |
 //! | still | a triangle whose vertices a key does not move; a vertex of none but such matches |
 
 pub mod apply;
 mod carry;
 mod choose;
-pub mod closest;
-pub(crate) mod energy;
+mod closest;
+mod energy;
 pub mod fit;
 mod markers;
-pub mod matching;
+mod matching;
+mod partners;
 mod place;
+#[cfg(test)]
+mod testing;
 
 pub use apply::{Transfer, TransferOptions, Unmatched, Weighting};
 pub use fit::{Fit, FitOptions, FitReport, fit_correspondence};
