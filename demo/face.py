@@ -7,8 +7,8 @@ import numpy as np
 
 PACKED = Path(__file__).resolve().parent.parent / "data" / "ict" / "face.npz"
 
-# Stored in centimetres with y up and z forward; Blender has z up and looks along y. A tenth makes decimetres: the
-# head is then about as large as Suzanne.
+# Stored in centimetres with y up and z forward; Blender has z up and looks along y. A tenth makes
+# decimetres: the head is then about as large as Suzanne.
 SCALE = 0.1
 
 

@@ -1,7 +1,7 @@
 """Job 4: the way between two shape keys.
 
-A head turned from one shoulder to the other: on the straight way it shrinks to half its width. And a blink: on the
-straight way the lids cut through the eyes.
+A head turned from one shoulder to the other: on the straight way it shrinks to half its width.
+And a blink: on the straight way the lids cut through the eyes.
 """
 
 import time
@@ -20,6 +20,7 @@ MEASURED = np.linspace(0.0, 1.0, 21)
 MILLIMETRES = 100.0  # in a decimetre
 
 TURN = 60.0  # degrees to either side
+EYES_HANG_ON = (36, 45, 28)  # landmarks: the outer corners of the eyes, the nose
 LEFT, RIGHT, HEAD_SLIDER = "head to the left", "head to the right", "turn"
 CLOSED, STRAIGHT, BLINK_SLIDER = "eyes closed", "eyes closed, straight", "blink"
 
@@ -38,7 +39,6 @@ def run(face, given, made, studio, picture):
     turned = time.perf_counter()
     scene.run(bake, object=blinking.name, end=CLOSED, count=COUNT, slider=BLINK_SLIDER)
     blinked = time.perf_counter()
-    follow(eyes, head)
 
     lengths = {way: edge_error(head, values) for way, values in _halfway().items()}
     lids = Lids(face)
@@ -46,7 +46,7 @@ def run(face, given, made, studio, picture):
         way: np.max([lids.depth(_shown(blinking, {way: t})) for t in MEASURED])
         for way in (STRAIGHT, BLINK_SLIDER)
     }
-    studio.sheet(_tiles(head, face, blinking, given), picture, aspect=1.0)
+    studio.sheet(_tiles(head, eyes, blinking, given), picture, aspect=1.0)
     scene.posed(head, {LEFT: 1.0, HEAD_SLIDER: 0.5})
     scene.posed(blinking, {BLINK_SLIDER: 0.5})
     return {
@@ -57,39 +57,32 @@ def run(face, given, made, studio, picture):
         "blink_vertices": len(face.neutral),
         "blink_seconds": blinked - turned,
         "blink_depth_mm": {
-            "straight": MILLIMETRES * float(depth[STRAIGHT]), "lissom": MILLIMETRES * float(depth[BLINK_SLIDER]),
+            "straight": MILLIMETRES * float(depth[STRAIGHT]),
+            "lissom": MILLIMETRES * float(depth[BLINK_SLIDER]),
         },
-    }  # fmt: skip
+    }
 
 
 def turning_head(face, made, into, location):
     """A head without eyes, posed to the left and to the right, and its eyes as an object of their own.
 
-    Each connected component goes its own way from key to key, and what is loose goes straight: eyes are better
-    left to the rig.
+    Loose components go straight from key to key, so the eyes are left out and hang on three vertices of the
+    head, by Blender's vertex parenting.
     """
     skin = face.only("face", "head_and_neck", "mouth_socket", "eye_sockets")
     head = scene.face_object("Turning head", skin, skin.neutral, made, into, location)
     balls = face.only("eyeball_left", "eyeball_right")
-    eyes = scene.face_object("Eyes", balls, balls.neutral - np.array(pose.SPINE), made, into, (0, 0, 0))
-    eyes.parent = head
-    eyes.location = pose.SPINE
-    turns = [
-        pose.Pose(name, (0, 0, degrees), (0, 0, 0), pose.SPINE) for name, degrees in ((LEFT, TURN), (RIGHT, -TURN))
+    eyes = scene.face_object("Eyes", balls, balls.neutral, made, into, (0, 0, 0))
+    eyes.parent, eyes.parent_type = head, "VERTEX_3"
+    eyes.parent_vertices = [int(face.landmarks[number]) for number in EYES_HANG_ON]
+    bpy.context.view_layer.update()
+    eyes.matrix_parent_inverse = eyes.matrix_world.inverted() @ head.matrix_world
+    poses = [
+        pose.Pose(name, (0, 0, degrees), (0, 0, 0), pose.SPINE)
+        for name, degrees in ((LEFT, TURN), (RIGHT, -TURN))
     ]
-    pose.solve(head, pose.regions(skin), ("chest", "head"), "", turns)
+    pose.solve(head, pose.regions(skin), ("chest", "head"), "", poses)
     return head, eyes
-
-
-def follow(eyes, head):
-    """Turns the eyes with the slider, as the bone of a head would."""
-    curve = eyes.driver_add("rotation_euler", 2)
-    driver = curve.driver
-    variable = driver.variables.new()
-    variable.name = "t"
-    variable.targets[0].id = head
-    variable.targets[0].data_path = f'["{HEAD_SLIDER}"]'
-    driver.expression = f"{np.radians(TURN)} * (1 - 2 * t)"
 
 
 def edge_error(head, values):
@@ -131,7 +124,7 @@ class Lids:
 
 
 def _halfway():
-    return {"straight": {LEFT: 0.5, RIGHT: 0.5}, "lissom": {LEFT: 1.0, HEAD_SLIDER: 0.5}}
+    return {"straight": {LEFT: 0.5, RIGHT: 0.5, HEAD_SLIDER: 0.0}, "lissom": {LEFT: 1.0, HEAD_SLIDER: 0.5}}
 
 
 def _shown(obj, values):
@@ -141,33 +134,33 @@ def _shown(obj, values):
     return positions
 
 
-def _tiles(head, face, blinking, given):
+def _tiles(head, eyes, blinking, given):
     far, near = {"centre": (0.0, -0.30), "height": 3.9}, {"centre": (0.36, 0.38), "height": 0.58, "turn": 40}
+    ends = [_with_eyes(head, eyes, {key: 1.0, HEAD_SLIDER: 0.0}, given) for key in (LEFT, RIGHT)]
     straight, arc, blink = [], [], []
     for t in SHOWN:
         percent = f"{100 * t:.0f} %"
-        mesh = scene.posed(head, {LEFT: 1.0 - t, RIGHT: t, HEAD_SLIDER: 0.0})
-        mesh.materials[scene.SKIN] = given
-        ends = [_turned(face, degrees) for degrees in (TURN, -TURN)]
-        eyes = _eyes(face, (1.0 - t) * ends[0] + t * ends[1], given)
-        straight.append(Tile([mesh, eyes], f"straight way, {percent}", **far))
-        mesh = scene.posed(head, {LEFT: 1.0, HEAD_SLIDER: t})
-        eyes = _eyes(face, _turned(face, TURN * (1.0 - 2.0 * t)), given)
-        arc.append(Tile([mesh, eyes], f"Lissom, {percent}", **far))
+        straight.append(
+            Tile([_blend(*pair, t) for pair in zip(*ends, strict=True)], f"straight way, {percent}", **far)
+        )
+        meshes = _with_eyes(head, eyes, {LEFT: 1.0, HEAD_SLIDER: t})
+        arc.append(Tile(meshes, f"Lissom, {percent}", **far))
         blink.append(Tile([scene.posed(blinking, {BLINK_SLIDER: t})], f"Lissom, {percent}", **near))
     return [straight, arc, blink]
 
 
-def _turned(face, degrees):
-    cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-    turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
-    balls = face.only("eyeball_left", "eyeball_right")
-    return (balls.neutral - pose.SPINE) @ turn.T + pose.SPINE
+def _with_eyes(head, eyes, values, skin=None):
+    meshes = [scene.posed(head, values), scene.posed(eyes, {})]
+    meshes[1].transform(head.matrix_world.inverted() @ eyes.matrix_world)
+    if skin is not None:
+        meshes[0].materials[scene.SKIN] = skin
+    return meshes
 
 
-def _eyes(face, positions, skin):
-    balls = face.only("eyeball_left", "eyeball_right")
-    made = scene.face_object("Eyes", balls, positions, skin, bpy.context.scene.collection, (0, 0, 0))
-    mesh = made.data
-    bpy.data.objects.remove(made)
+def _blend(start, end, t):
+    """A mesh on the straight way between two."""
+    mesh = start.copy()
+    positions = (1.0 - t) * scene.positions(start.vertices) + t * scene.positions(end.vertices)
+    mesh.vertices.foreach_set("co", positions.astype(np.float32).ravel())
+    mesh.update()
     return mesh

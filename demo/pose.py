@@ -9,8 +9,8 @@ import scene
 from mathutils import Euler, Matrix
 from studio import Tile
 
-# The neck between these two planes is free. In decimetres: z below CHEST is held; the head is what lies above a
-# plane that rises from the throat to the nape (z at y = 0, and its rise with y, which points backwards).
+# The neck between these two planes is free. In decimetres: z below CHEST is held; the head is what lies above
+# a plane that rises from the throat to the nape (z at y = 0, and its rise with y, which points backwards).
 CHEST = -1.42
 HEAD = (-0.52, 0.70)
 SPINE = (0.0, 0.25, -0.45)  # about where the head sits on it
@@ -30,7 +30,7 @@ class Pose:
 
 
 def run(face, made, studio, picture):
-    """Poses the bust by operators, keeps every pose as a shape key, draws it; returns figures for the report."""
+    """Poses the bust by operators, each pose a shape key, and draws it; returns figures for the report."""
     bust = scene.face_object("Bust", face, face.neutral, made, scene.collection("1 Pose"), (0, 0, 0))
     groups = regions(face)
     tip = tuple(face.neutral[EAR_TIP[0]])
@@ -43,12 +43,20 @@ def run(face, made, studio, picture):
         solve(bust, groups, ("chest", "head"), "", of_head),
         solve(bust, groups, ("tip of the ear",), "ear", of_ear),
     ]
-    whole, near = {"centre": (0.05, -0.30), "height": 4.0, "turn": 20}, {"centre": (0.52, 0.22), "height": 1.5, "turn": -40}
+    whole, near = (
+        {"centre": (0.05, -0.30), "height": 4.0, "turn": 20},
+        {"centre": (0.52, 0.22), "height": 1.5, "turn": -40},
+    )
     head, shoulder, ear = (pose.name for pose in (*of_head, *of_ear))
     studio.sheet(
         [
             [
-                Tile([_marked(bust, groups, "chest", "head")], "rest", note="orange: handle, blue: held", **whole),
+                Tile(
+                    [_marked(bust, groups, "chest", "head")],
+                    "rest",
+                    note="orange: handle, blue: held",
+                    **whole,
+                ),
                 Tile([scene.posed(bust, {head: 1.0})], head, **whole),
                 Tile([scene.posed(bust, {shoulder: 1.0})], shoulder, **whole),
                 Tile([_marked(bust, groups, None, "tip of the ear")], "rest", note="orange: handle", **near),

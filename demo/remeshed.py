@@ -1,8 +1,8 @@
 """Job 2: expressions to another person on another triangulation, measured against the known answer.
 
-The target is neutral + identity, thinned out by Blender's Decimate, so it shares neither vertices nor faces with the
-source. The answer is known all the same: neutral + identity + expression. At a vertex of the thinned mesh it is the
-expression's offset at the closest point of the full surface, interpolated in the triangle it lies in.
+The target is neutral + identity, thinned out by Blender's Decimate, so it shares neither vertices nor faces
+with the source. The answer is known all the same: neutral + identity + expression. At a vertex of the thinned
+mesh it is the expression's offset at the closest point of the full surface, interpolated in its triangle.
 """
 
 import time
@@ -24,11 +24,10 @@ REACH = 0.03  # decimetres: how far from the full surface a thinned vertex is lo
 MARKED = range(60)
 
 
-def run(face, given, made, studio, folder, picture):
-    """Transfers all keys of the face by operators; returns figures for the report, lengths in percent of the diagonal."""
+def run(face, obj, made, studio, folder, picture):
+    """Transfers all keys of ``obj`` by operators; returns figures, lengths in percent of the diagonal."""
     full = face.neutral + face.identity
-    into = scene.collection("2 Remeshed identity")
-    obj = source.make("ICT face", face, given, into, (3.0, 0, 0))
+    into = scene.collection("3 Remeshed identity")
     target = decimated(face, full, made, into, (6.0, 0, 0))
     surface = Surface(obj, full)
     rest = scene.vertices(target)
@@ -59,10 +58,14 @@ def run(face, given, made, studio, folder, picture):
         rows.append(
             {
                 "expression": name,
-                "rms": rms(error), "p99": float(np.quantile(error, 0.99)), "max": float(error.max()),
-                "motion_rms": rms(motion), "motion_max": float(motion.max()), "closest_point_rms": rms(copied),
+                "rms": rms(error),
+                "p99": float(np.quantile(error, 0.99)),
+                "max": float(error.max()),
+                "motion_rms": rms(motion),
+                "motion_max": float(motion.max()),
+                "closest_point_rms": rms(copied),
             }
-        )  # fmt: skip
+        )
 
     studio.sheet(_tiles(obj, target, errors), picture)
     return {
@@ -118,7 +121,8 @@ class Surface:
     def locate(self, points, normals):
         """The closest points that face the same way: upper and lower lid, lips and teeth lie back to back.
 
-        Returns the distances (n,) and a function that interpolates values at the vertices of this surface there.
+        Returns the distances (n,) and a function that interpolates there what it is given per vertex of this
+        surface.
         """
         found = [self._nearest(Vector(p), Vector(n)) for p, n in zip(points, normals, strict=True)]
         triangles = self.triangles[[index for _, index, _ in found]]
@@ -128,7 +132,9 @@ class Surface:
 
     def _nearest(self, point, normal):
         near = [hit for hit in self._tree.find_nearest_range(point, REACH) if hit[1].dot(normal) > 0.0]
-        place, _, index, distance = min(near, key=lambda hit: hit[3]) if near else self._tree.find_nearest(point)
+        place, _, index, distance = (
+            min(near, key=lambda hit: hit[3]) if near else self._tree.find_nearest(point)
+        )
         return place, index, distance
 
 
@@ -174,7 +180,9 @@ def _tiles(obj, target, errors):
     for label, mix in {**source.MIXES, **source.WINK}.items():
         error = rms(np.linalg.norm(sum(value * errors[name] for name, value in mix.items()), axis=1))
         rows[0].append(Tile([scene.posed(obj, mix)], label, note="given", **frame))
-        rows[1].append(Tile([scene.posed(target, mix)], label, note=f"transferred, off by {error:.2f} %", **frame))
+        rows[1].append(
+            Tile([scene.posed(target, mix)], label, note=f"transferred, off by {error:.2f} %", **frame)
+        )
     return rows
 
 

@@ -11,79 +11,98 @@ def write(folder, figures):
 
 def page(figures):
     """The report as Markdown."""
-    pose, remeshed, suzanne, inbetween = (figures[job] for job in ("pose", "remeshed", "suzanne", "inbetween"))
-    edge, depth = inbetween["turn_edge_error_percent"], inbetween["blink_depth_mm"]
-    lines = [
+    sections = [
         "# What the demo did",
-        "",
         f"Blender {figures['blender']}, lissom {figures['lissom']}, {figures['processors']} processors, "
-        f"{figures['seconds']:.0f} s in all, of which {figures['picture_seconds']:.0f} s for the pictures.",
-        "",
-        "## Pose",
-        "",
-        f"A bust of {pose['vertices']} vertices. Seconds are for the operators as a whole.",
-        "",
-        *table(
-            ("Pose", "Free vertices", "Bind", "Solve, as shape key"),
-            [
-                (p["pose"], str(p["free_vertices"]), f"{p['bind_seconds']:.2f} s", f"{p['seconds']:.2f} s")
-                for p in pose["poses"]
-            ],
-        ),
-        "",
-        "![Pose](pose.png)",
-        "",
-        "## Transfer to another person, remeshed",
-        "",
-        f"From {remeshed['source_vertices']} vertices ({remeshed['source_triangles']} triangles) to "
-        f"{remeshed['target_vertices']} ({remeshed['target_triangles']}) that Blender's Decimate left of the other "
-        f"person, linked by {remeshed['markers']} marker pairs. Fit: {remeshed['fit_seconds']:.1f} s; "
-        f"{remeshed['keys']} keys: {remeshed['transfer_seconds']:.1f} s.",
-        "",
-        "Distance to the known answer, identity + expression, in percent of the diagonal of the target's bounding box, "
-        "over all vertices. Beside it: how far the expression moves them, and the error of copying offsets "
-        "from the closest point of the source that faces the same way.",
-        "",
-        *expressions(remeshed["expressions"]),
-        "",
-        "![Transfer to another person](remeshed.png)",
-        "",
-        "## Transfer to Suzanne",
-        "",
-        f"From {suzanne['source_vertices']} vertices of skin to {suzanne['target_vertices']} vertices ({suzanne['target_triangles']} triangles), linked by "
-        f"{suzanne['markers']} marker pairs. Fit: {suzanne['fit_seconds']:.1f} s; {suzanne['keys']} keys: "
-        f"{suzanne['transfer_seconds']:.1f} s.",
-        "",
-        "![Transfer to Suzanne](suzanne.png)",
-        "",
-        "## In-between",
-        "",
-        f"A head of {inbetween['turn_vertices']} vertices from one shoulder to the other: {inbetween['keys']} "
-        f"shape keys under one slider in {inbetween['turn_seconds']:.1f} s. Half way, edge lengths are off by "
-        f"{edge['straight']:.1f} % (root mean square, against the mean of both ends) on the straight way, by "
-        f"{edge['lissom']:.1f} % on the baked one.",
-        "",
-        f"A blink of {inbetween['blink_vertices']} vertices: {inbetween['keys']} shape keys in "
-        f"{inbetween['blink_seconds']:.1f} s. On their way the lids sink into the eyes by up to "
-        f"{depth['straight']:.2f} mm more than at either end on the straight way, {depth['lissom']:.2f} mm on the "
-        "baked one.",
-        "",
-        "![In-between](inbetween.png)",
-        "",
+        f"{figures['seconds']:.0f} s in all, of which {figures['picture_seconds']:.0f} s for the pictures. "
+        "Seconds of the jobs are for the operators as a whole.",
+        *_pose(figures["pose"]),
+        *_remeshed(figures["remeshed"]),
+        *_suzanne(figures["suzanne"]),
+        *_inbetween(figures["inbetween"]),
     ]
-    return "\n".join(lines)
+    return "\n\n".join(sections) + "\n"
 
 
 def expressions(rows):
     """The table of errors against the known answer."""
-    columns = ("rms", "p99", "max", "motion_rms", "motion_max", "closest_point_rms")
-    heads = ("Expression", "RMS error", "99 % below", "Max error", "RMS motion", "Max motion", "Closest point, RMS")
+    columns = {
+        "rms": "RMS error", "p99": "99 % below", "max": "Max error",
+        "motion_rms": "RMS motion", "motion_max": "Max motion", "closest_point_rms": "Closest point, RMS",
+    }  # fmt: skip
     mean = {column: sum(row[column] for row in rows) / len(rows) for column in columns}
-    body = [(row["expression"], *(f"{row[column]:.3f}" for column in columns)) for row in rows]
-    return table(heads, [*body, ("**mean**", *(f"{mean[column]:.3f}" for column in columns))])
+    lines = [{"expression": "**mean**", **mean}]
+    body = [(row["expression"], *(f"{row[column]:.3f}" for column in columns)) for row in [*rows, *lines]]
+    return table(("Expression", *columns.values()), body)
 
 
 def table(heads, rows):
-    """Lines of a Markdown table; all columns but the first are aligned to the right."""
+    """A Markdown table; all columns but the first are aligned to the right."""
     lines = ["| " + " | ".join(heads) + " |", "|---|" + "---:|" * (len(heads) - 1)]
-    return lines + ["| " + " | ".join(row) + " |" for row in rows]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
+
+
+def _pose(figures):
+    rows = [
+        (row["pose"], str(row["free_vertices"]), f"{row['bind_seconds']:.2f} s", f"{row['seconds']:.2f} s")
+        for row in figures["poses"]
+    ]
+    yield "## Pose"
+    yield f"A bust of {figures['vertices']} vertices."
+    yield table(("Pose", "Free vertices", "Bind", "Solve, as shape key"), rows)
+    yield "![Pose](pose.png)"
+
+
+def _remeshed(figures):
+    yield "## Transfer to another person, remeshed"
+    yield (
+        f"From {figures['source_vertices']} vertices ({figures['source_triangles']} triangles) to "
+        f"{figures['target_vertices']} ({figures['target_triangles']}), which Blender's Decimate left of the "
+        f"other person. {_transfer(figures)}"
+    )
+    yield (
+        "Distance to the known answer, identity + expression, in percent of the diagonal of the target's "
+        "bounding box, over all vertices. Beside it: how far the expression moves them, and the error of "
+        "copying offsets from the closest point of the source that faces the same way."
+    )
+    yield expressions(figures["expressions"])
+    place = figures["distance_to_full_surface"]
+    yield (
+        f"The answer is read off the surface before it was thinned out, from which the target's vertices are "
+        f"{place['rms']:.3f} % away (root mean square; at most {place['max']:.3f} %)."
+    )
+    yield "![Transfer to another person](remeshed.png)"
+
+
+def _suzanne(figures):
+    yield "## Transfer to Suzanne"
+    yield (
+        f"From {figures['source_vertices']} vertices of skin to {figures['target_vertices']} "
+        f"({figures['target_triangles']} triangles). {_transfer(figures)}"
+    )
+    yield "![Transfer to Suzanne](suzanne.png)"
+
+
+def _transfer(figures):
+    return (
+        f"Linked by {figures['markers']} marker pairs. Fit: {figures['fit_seconds']:.1f} s; "
+        f"{figures['keys']} keys: {figures['transfer_seconds']:.1f} s."
+    )
+
+
+def _inbetween(figures):
+    edge, depth = figures["turn_edge_error_percent"], figures["blink_depth_mm"]
+    yield "## In-between"
+    yield (
+        f"A head of {figures['turn_vertices']} vertices from one shoulder to the other: {figures['keys']} "
+        f"shape keys under one slider in {figures['turn_seconds']:.1f} s. Half way, edge lengths are off by "
+        f"{edge['straight']:.1f} % on the straight way and by {edge['lissom']:.1f} % on the baked one (root "
+        "mean square, against the mean of both ends)."
+    )
+    yield (
+        f"A blink of {figures['blink_vertices']} vertices: {figures['keys']} shape keys in "
+        f"{figures['blink_seconds']:.1f} s. On their way the lids sink into the eyes by up to "
+        f"{depth['straight']:.2f} mm more than at either end on the straight way, by {depth['lissom']:.2f} mm "
+        "on the baked one."
+    )
+    yield "![In-between](inbetween.png)"

@@ -13,11 +13,10 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT), str(ROOT / "demo")]
-
-import bpy  # noqa: E402
+sys.path.insert(0, str(ROOT))  # for the extension's package; that of this file is there already
 
 import addon  # noqa: E402
+import bpy  # noqa: E402
 import face as ict  # noqa: E402
 import inbetween  # noqa: E402
 import lissom  # noqa: E402
@@ -25,6 +24,7 @@ import pose  # noqa: E402
 import remeshed  # noqa: E402
 import report  # noqa: E402
 import scene  # noqa: E402
+import source  # noqa: E402
 import suzanne  # noqa: E402
 from studio import Studio, publish  # noqa: E402
 
@@ -46,8 +46,9 @@ def main(arguments):
 
     figures = {"blender": bpy.app.version_string, "lissom": lissom.__version__, "processors": os.cpu_count()}
     figures["pose"] = pose.run(face, made, studio, pictures["pose"])
-    figures["remeshed"] = remeshed.run(face, given, made, studio, folder, pictures["remeshed"])
-    figures["suzanne"] = suzanne.run(face, given, made, studio, pictures["suzanne"])
+    obj = source.make("ICT face", face, given, scene.collection("2 ICT face"), (3.0, 0, 0))
+    figures["remeshed"] = remeshed.run(face, obj, made, studio, folder, pictures["remeshed"])
+    figures["suzanne"] = suzanne.run(face, obj, given, made, studio, pictures["suzanne"])
     figures["inbetween"] = inbetween.run(face, given, made, studio, pictures["inbetween"])
     figures["picture_seconds"] = studio.seconds
     studio.close()
@@ -55,7 +56,7 @@ def main(arguments):
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "demo.blend"), compress=True)
     figures["seconds"] = time.perf_counter() - started
     report.write(folder, figures)
-    print("\n".join(report.expressions(figures["remeshed"]["expressions"])))
+    print(report.expressions(figures["remeshed"]["expressions"]))
     print(f"{folder}: demo.blend, report.md and {len(pictures)} pictures in {figures['seconds']:.0f} s")
     if arguments.publish:
         for name, picture in pictures.items():
@@ -63,7 +64,9 @@ def main(arguments):
 
 
 def parsed(words):
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--out", type=Path, default=ROOT / "build" / "demo", help="folder for the results")
     parser.add_argument("--samples", type=int, default=24, help="samples of a pixel in the pictures")
     parser.add_argument("--publish", action="store_true", help="copy the pictures into docs/pictures")

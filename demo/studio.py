@@ -22,8 +22,8 @@ GUTTER = 10  # pixels between tiles
 class Tile:
     """What one tile shows.
 
-    ``meshes`` are shown with the materials they have, turned by ``turn`` degrees about z, the vertical, and then
-    framed: ``centre`` (x, z) and ``height`` in scene units. ``marks`` are spheres: (position, radius, material).
+    ``meshes`` are shown with the materials they have, turned by ``turn`` degrees about z, the vertical, and
+    framed by ``centre`` (x, z) and ``height`` in scene units. ``marks`` are spheres: position, radius, material.
     """
 
     meshes: list
@@ -75,7 +75,7 @@ class Studio:
         bpy.data.scenes.remove(self.scene)
 
     def sheet(self, rows, path, aspect=1.2, width=1600):
-        """Renders rows of tiles, of one size and ``aspect`` (height by width), to a PNG; removes their meshes."""
+        """Renders rows of tiles of one ``aspect`` (height by width) to a file; removes their meshes."""
         started = time.perf_counter()
         columns = max(len(row) for row in rows)
         tile_width = width // columns

@@ -12,8 +12,8 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# Name, vertices, polygons: ranges of FaceKit's own mesh, from the tables of its README. Left out are the irises,
-# the lacrimal fluid, the shells that blend and shade the eyes, and the lashes: all of them serve its own shaders.
+# Name, vertices, polygons: ranges of FaceKit's own mesh, from the tables of its README. Left out are the
+# irises, the lacrimal fluid, the shells that blend and shade the eyes, and the lashes: they serve its shaders.
 PARTS = [
     ("face", (0, 9409), (0, 9230)),
     ("head_and_neck", (9409, 11248), (9230, 11144)),
@@ -33,8 +33,8 @@ EXPRESSIONS = [
     "mouthPucker", "mouthSmile_L", "mouthSmile_R", "noseSneer_L", "noseSneer_R",
 ]  # fmt: skip
 
-# One step of the stored integers in centimetres: a micrometre. Rounding moves a coordinate by half of it at most,
-# about one part in a million of the head's diagonal.
+# One step of the stored integers in centimetres: a micrometre. Rounding moves a coordinate by half of it at
+# most, about one part in a million of the head's diagonal.
 STEP = 1e-4
 
 
