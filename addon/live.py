@@ -20,7 +20,7 @@ from .core.refused import Refused
 _due = set()  # names of mesh objects to solve
 _delay = 0.0  # seconds until the next solve: half of what the last one took, to leave time for drawing
 MAX_DELAY = 0.25
-ITERATIONS = 20  # of iterative methods in one go while the artist watches
+BUDGET = 0.05  # seconds that an iterative method may take in one go while the artist watches
 
 
 def mark(obj):
@@ -30,11 +30,8 @@ def mark(obj):
         bpy.app.timers.register(_flush, first_interval=_delay)
 
 
-def update(obj, **options):
-    """Solves once if the handles moved; True where more iterations are wanted.
-
-    ``options`` are those of lissom.Pose.solve.
-    """
+def update(obj, seconds=None):
+    """Solves once if the handles moved, within about ``seconds``; True where more iterations are wanted."""
     settings = obj.lissom_pose
     if not (settings.bound and settings.live) or obj.mode != "OBJECT":
         return False
@@ -45,6 +42,7 @@ def update(obj, **options):
         if not bound.is_due(transforms):
             return False
         poses.preview(obj)
+        options = {"max_iterations": bound.iterations_within(seconds)} if seconds else {}
         vertices, _ = bound.solve(transforms, **options)
         poses.show(obj, vertices)
     except (Refused, lissom.Error) as error:
@@ -59,7 +57,7 @@ def _flush():
     started = time.perf_counter()
     for name in list(_due):
         obj = bpy.data.objects.get(name)
-        if obj is None or not update(obj, max_iterations=ITERATIONS):
+        if obj is None or not update(obj, BUDGET):
             _due.discard(name)
     _delay = min(0.5 * (time.perf_counter() - started), MAX_DELAY)
     redraw_sidebars()

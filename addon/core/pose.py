@@ -9,6 +9,9 @@ from .work import Work
 # Empties keep their place in single precision: below this part of the mesh's extent a handle stands still.
 STILL = 2e-6
 
+# A method takes two small steps in a row for convergence: with fewer in one go it would never find any.
+FEWEST_ITERATIONS = 4
+
 
 def check_groups(groups, handles, roi):
     """Refused where a vertex group is missing, empty or overlaps another handle (rows 19, 23, 25).
@@ -56,6 +59,7 @@ class BoundPose:
         self.warnings = [*mesh.warnings, *self.pose.warnings]
         self.extent = np.linalg.norm(np.ptp(vertices, axis=0))
         self._handles = len(handles)
+        self._seconds = None  # of one iteration, in the last solve
         self.put_to_rest()
 
     def put_to_rest(self):
@@ -101,8 +105,13 @@ class BoundPose:
     def _note(self, transforms, result):
         self._transforms = transforms
         self._converged = result.report["converged"]
+        self._seconds = result.report["seconds"] / max(1, result.report["iterations"])
         self._warm = True
         return result.vertices, result.report
+
+    def iterations_within(self, seconds):
+        """About how many iterations fit into ``seconds``, judged by the last solve, but never too few."""
+        return max(FEWEST_ITERATIONS, int(seconds / self._seconds) if self._seconds else 0)
 
     @property
     def converged(self):

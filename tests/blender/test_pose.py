@@ -138,6 +138,25 @@ def test_an_update_solves_once_and_none_where_nothing_moved(monkeypatch):
     assert len(solved) == 1
 
 
+def test_a_solve_within_a_budget_goes_on_until_it_has_converged():
+    obj = scene.bound_tube()
+    obj.lissom_pose.live = False
+    scene.empty(obj, "top").location.x += 1
+    bpy.context.view_layer.update()
+    obj.lissom_pose.live = True
+    rounds = 1
+    while live.update(obj, 1e-9):  # a few iterations at a time
+        rounds += 1
+        assert rounds < 500
+    assert rounds > 3
+    stepwise = scene.key_points(obj, PREVIEW)
+    bpy.ops.lissom.pose_update(object=obj.name)
+    assert_allclose(scene.key_points(obj, PREVIEW), stepwise, atol=5e-3)
+    bound = session.poses[obj.session_uid]
+    assert bound.iterations_within(1e-9) == 4
+    assert bound.iterations_within(10.0) > 10
+
+
 def test_apply_keeps_what_is_seen_as_a_key_and_puts_the_handles_back():
     obj = scene.bound_tube()
     place = scene.empty(obj, "top").matrix_world.copy()
