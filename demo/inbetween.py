@@ -145,7 +145,7 @@ def _tiles(head, eyes, blinking, given):
         )
         meshes = _with_eyes(head, eyes, {LEFT: 1.0, HEAD_SLIDER: t})
         arc.append(Tile(meshes, f"Lissom, {percent}", **far))
-        blink.append(Tile([scene.posed(blinking, {BLINK_SLIDER: t})], f"Lissom, {percent}", **near))
+        blink.append(Tile([scene.posed(blinking, {BLINK_SLIDER: t})], f"blink, {percent}", **near))
     return [straight, arc, blink]
 
 

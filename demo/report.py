@@ -102,7 +102,7 @@ def _inbetween(figures):
     yield (
         f"A blink of {figures['blink_vertices']} vertices: {figures['keys']} shape keys in "
         f"{figures['blink_seconds']:.1f} s. On their way the lids sink into the eyes by up to "
-        f"{depth['straight']:.2f} mm more than at either end on the straight way, by {depth['lissom']:.2f} mm "
-        "on the baked one."
+        f"{depth['straight']:.2f} mm more than at either end on the straight way, by "
+        f"{depth['lissom']:.2f} mm on the baked one."
     )
     yield "![In-between](inbetween.png)"

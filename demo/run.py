@@ -26,7 +26,7 @@ import report  # noqa: E402
 import scene  # noqa: E402
 import source  # noqa: E402
 import suzanne  # noqa: E402
-from studio import Studio, publish  # noqa: E402
+from studio import SAMPLES, Studio, publish  # noqa: E402
 
 PICTURES = ("pose", "remeshed", "suzanne", "inbetween")
 
@@ -68,7 +68,7 @@ def parsed(words):
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--out", type=Path, default=ROOT / "build" / "demo", help="folder for the results")
-    parser.add_argument("--samples", type=int, default=24, help="samples of a pixel in the pictures")
+    parser.add_argument("--samples", type=int, default=SAMPLES, help="samples of a pixel in the pictures")
     parser.add_argument("--publish", action="store_true", help="copy the pictures into docs/pictures")
     return parser.parse_args(words)
 

@@ -14,7 +14,7 @@ from mathutils import Euler, Vector
 
 BACKGROUND = (0.90, 0.90, 0.885)
 INK = (0.012, 0.014, 0.018)
-SAMPLES = 24
+SAMPLES = 16
 GUTTER = 10  # pixels between tiles
 
 
@@ -23,7 +23,8 @@ class Tile:
     """What one tile shows.
 
     ``meshes`` are shown with the materials they have, turned by ``turn`` degrees about z, the vertical, and
-    framed by ``centre`` (x, z) and ``height`` in scene units. ``marks`` are spheres: position, radius, material.
+    framed by ``centre`` (x, z) and ``height`` in scene units. ``marks`` are spheres: position, radius,
+    material.
     """
 
     meshes: list
@@ -137,7 +138,12 @@ class Studio:
     def _plate(self, x, bottom, unit):
         """The strip under the figure that the label stands on."""
         mesh = bpy.data.meshes.new("Plate")
-        corners = [(-unit, 0, 0), (unit, 0, 0), (unit, 0, 0.125 * unit), (-unit, 0, 0.125 * unit)]
+        corners = [
+            (-unit, 0, -0.1 * unit),
+            (unit, 0, -0.1 * unit),
+            (unit, 0, 0.125 * unit),
+            (-unit, 0, 0.125 * unit),
+        ]
         mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
         mesh.materials.append(self._paper)
         made = self._add("Plate", mesh)

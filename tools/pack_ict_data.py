@@ -13,7 +13,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 
 # Name, vertices, polygons: ranges of FaceKit's own mesh, from the tables of its README. Left out are the
-# irises, the lacrimal fluid, the shells that blend and shade the eyes, and the lashes: they serve its shaders.
+# irises, the lacrimal fluid, the shells that blend and shade the eyes, and the lashes: its shaders need them.
 PARTS = [
     ("face", (0, 9409), (0, 9230)),
     ("head_and_neck", (9409, 11248), (9230, 11144)),
