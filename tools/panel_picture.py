@@ -22,7 +22,7 @@ import source  # noqa: E402
 import suzanne  # noqa: E402
 from mathutils import Euler  # noqa: E402
 
-MIX = source.SHOWN["smile"]
+MIX = source.MIXES["surprise"]
 SETTLE = 2.0  # seconds for Blender to draw
 
 
@@ -32,8 +32,9 @@ def transferred():
         bpy.data.objects.remove(obj)
     skin = scene.material("Given", (0.44, 0.38, 0.33), 0.55)
     made = scene.material("Made by Lissom", (0.07, 0.27, 0.31), 0.5)
-    given = source.make(ict.load(), skin, (-1.5, 0, 0))
-    monkey = suzanne.make(made, (1.5, 0, 0.1))
+    into = bpy.context.scene.collection
+    given = source.make("ICT skin", ict.load().only(*source.SKIN), skin, into, (-1.5, 0, 0))
+    monkey, _eyes = suzanne.make(made, into, (1.5, 0, 0.1))
     settings = bpy.context.scene.lissom_transfer
     settings.source, settings.target = given, monkey
     scene.run(bpy.ops.lissom.marker_load, filepath=str(suzanne.MARKERS))
@@ -51,11 +52,12 @@ def arrange():
     space = area.spaces.active
     space.show_region_ui = True
     space.shading.color_type = "MATERIAL"
-    space.overlay.show_relationship_lines = False
+    space.overlay.show_floor = space.overlay.show_axis_x = space.overlay.show_axis_y = False
+    space.overlay.show_cursor = False
     view = space.region_3d
     view.view_rotation = Euler((1.45, 0, 0.2)).to_quaternion()
-    view.view_location = (0.6, 0, 0)
-    view.view_distance = 8.0
+    view.view_location = (0.5, 0, -0.1)
+    view.view_distance = 6.8
     yield SETTLE  # the tab is known once the sidebar was drawn
     sidebar = next(region for region in area.regions if region.type == "UI")
     sidebar.active_panel_category = "Lissom"

@@ -92,7 +92,7 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
             "roi",
             obj,
             "vertex_groups",
-            text="Region" if settings.roi else "Region (all)",
+            text="Region",
             icon="GROUP_VERTEX",
         )
         region = row.operator("lissom.pose_region_from_selection", text="", icon="ADD")
