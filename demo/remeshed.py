@@ -11,10 +11,11 @@ import bpy
 import numpy as np
 import scene
 import source
-from addon.core.markers import Marker, save
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 from studio import Tile
+
+from addon.core.markers import Marker, save
 
 RATIO = 0.5  # of the faces are kept
 REACH = 0.03  # decimetres: how far from the full surface a thinned vertex is looked for

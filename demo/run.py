@@ -15,7 +15,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))  # for the extension's package; that of this file is there already
 
-import addon  # noqa: E402
 import bpy  # noqa: E402
 import face as ict  # noqa: E402
 import inbetween  # noqa: E402
@@ -27,6 +26,8 @@ import scene  # noqa: E402
 import source  # noqa: E402
 import suzanne  # noqa: E402
 from studio import SAMPLES, Studio, publish  # noqa: E402
+
+import addon  # noqa: E402
 
 PICTURES = ("pose", "remeshed", "suzanne", "inbetween")
 

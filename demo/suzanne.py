@@ -7,8 +7,9 @@ import bpy
 import numpy as np
 import scene
 import source
-from addon.core import markers
 from studio import Tile
+
+from addon.core import markers
 
 MARKERS = Path(__file__).with_name("suzanne_markers.json")
 
