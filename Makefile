@@ -16,6 +16,7 @@ RUST := $(shell find rust -name '*.rs' -o -name 'Cargo.toml') Cargo.toml Cargo.l
 TOOLS := .venv/tools/ready
 WHEEL := dist/wheel.stamp
 
+.SECONDARY:
 .PHONY: all demo test test-rust test-native test-blender lint extension clean
 all: extension
 

@@ -1,0 +1,49 @@
+"""Lissom: pose meshes by handles, transfer shape keys between meshes, and bake in-betweens along an arc."""
+
+import bpy
+
+from . import live
+from .operators import (
+    inbetween_bake,
+    pose_apply,
+    pose_bind,
+    pose_handles,
+    transfer_fit,
+    transfer_keys,
+    transfer_markers,
+)
+from .panels import inbetween as inbetween_panel
+from .panels import pose as pose_panel
+from .panels import transfer as transfer_panel
+from .properties import inbetween as inbetween_properties
+from .properties import pose as pose_properties
+from .properties import transfer as transfer_properties
+
+_PROPERTIES = (pose_properties, transfer_properties, inbetween_properties)
+_OPERATORS = (
+    pose_handles,
+    pose_bind,
+    pose_apply,
+    transfer_markers,
+    transfer_fit,
+    transfer_keys,
+    inbetween_bake,
+)
+_PANELS = (pose_panel, transfer_panel, inbetween_panel)  # in the order of the tab
+_CLASSES = [cls for module in (*_PROPERTIES, *_OPERATORS, *_PANELS) for cls in module.classes]
+
+
+def register():
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+    for module in _PROPERTIES:
+        module.register()
+    live.register()
+
+
+def unregister():
+    live.unregister()
+    for module in reversed(_PROPERTIES):
+        module.unregister()
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

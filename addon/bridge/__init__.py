@@ -1,0 +1,1 @@
+"""The only code that moves data between Blender and numpy."""

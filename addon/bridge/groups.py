@@ -1,0 +1,38 @@
+"""Vertex groups."""
+
+import bmesh
+import numpy as np
+
+from ..core.refused import Refused
+from .meshes import selected_vertices
+
+
+def members(obj, names):
+    """Sorted vertex indices with a weight above 0, by name; names without a group are left out."""
+    wanted = {obj.vertex_groups[name].index: name for name in names if name in obj.vertex_groups}
+    found = {name: [] for name in wanted.values()}
+    for vertex in obj.data.vertices:
+        for element in vertex.groups:
+            name = wanted.get(element.group)
+            if name is not None and element.weight > 0.0:
+                found[name].append(vertex.index)
+    return {name: np.array(indices, dtype=np.int64) for name, indices in found.items()}
+
+
+def from_selection(obj, name):
+    """Makes a vertex group of the selected vertices, in edit or in object mode; returns its name."""
+    indices = selected_vertices(obj)
+    if not len(indices):
+        raise Refused(f"No vertex of '{obj.name}' is selected: select some in Edit Mode, then press again")
+    group = obj.vertex_groups.new(name=name)
+    if obj.mode == "EDIT":
+        edit = bmesh.from_edit_mesh(obj.data)
+        layer = edit.verts.layers.deform.verify()
+        edit.verts.ensure_lookup_table()
+        for index in indices:
+            edit.verts[index][layer][group.index] = 1.0
+        bmesh.update_edit_mesh(obj.data, loop_triangles=False, destructive=False)
+        obj.update_from_editmode()
+    else:
+        group.add(indices.tolist(), 1.0, "REPLACE")
+    return group.name

@@ -1,0 +1,110 @@
+"""Mesh data as arrays."""
+
+from dataclasses import dataclass, field
+
+import bmesh
+import bpy
+import numpy as np
+
+from ..core import topology
+from ..core.refused import Refused
+
+
+def positions(points):
+    """(n, 3) float64 of anything with ``co``: vertices of a mesh or points of a shape key."""
+    flat = np.empty(3 * len(points), dtype=np.float32)  # Blender's own precision: a plain copy
+    points.foreach_get("co", flat)
+    return flat.reshape(-1, 3).astype(np.float64)
+
+
+def rest_positions(mesh):
+    """(n, 3): the reference shape key where there is one, else the vertices."""
+    return positions(mesh.shape_keys.reference_key.points if mesh.shape_keys else mesh.vertices)
+
+
+def triangles(mesh):
+    """(m, 3) int32: Blender's own triangulation of the faces."""
+    mesh.calc_loop_triangles()
+    flat = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
+    mesh.loop_triangles.foreach_get("vertices", flat)
+    return flat.reshape(-1, 3)
+
+
+def corners(mesh):
+    """(c,) int32: the vertex of every corner of every face."""
+    flat = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", flat)
+    return flat
+
+
+def signature(mesh):
+    """The hash of the faces (row 26)."""
+    starts = np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    return topology.signature(len(mesh.vertices), corners(mesh), starts)
+
+
+def selected_vertices(obj):
+    """Indices of the selected vertices, as last seen in edit mode or, where it is in edit mode, now."""
+    obj.update_from_editmode()
+    flags = np.empty(len(obj.data.vertices), dtype=bool)
+    obj.data.vertices.foreach_get("select", flags)
+    return np.flatnonzero(flags)
+
+
+def select_only(obj, vertex):
+    """Selects one vertex and nothing else of a mesh, in edit or in object mode."""
+    if obj.mode == "EDIT":
+        edit = bmesh.from_edit_mesh(obj.data)
+        edit.verts.ensure_lookup_table()
+        for element in (*edit.faces, *edit.edges, *edit.verts):
+            element.select_set(False)
+        edit.select_history.clear()
+        edit.verts[vertex].select_set(True)
+        edit.select_history.add(edit.verts[vertex])
+        bmesh.update_edit_mesh(obj.data, loop_triangles=False, destructive=False)
+        return
+    mesh = obj.data
+    mesh.vertices.foreach_set("select", np.arange(len(mesh.vertices)) == vertex)
+    # Without the attribute none is selected; writing the selection of edges crashes 5.0.1.
+    for name in (".select_edge", ".select_poly"):
+        if name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[name])
+    mesh.update()
+
+
+@dataclass
+class Snapshot:
+    """A mesh object as arrays, and by name: it outlives undo and deletion of the object."""
+
+    name: str
+    uid: int
+    topology: str
+    in_scene: bool
+    linear: np.ndarray
+    vertices: np.ndarray = field(repr=False)
+    triangles: np.ndarray = field(repr=False)
+
+    @classmethod
+    def of(cls, obj, linear):
+        """``linear`` (3, 3) is kept for the way back from solve space."""
+        obj.update_from_editmode()
+        mesh = obj.data
+        return cls(
+            name=obj.name,
+            uid=obj.session_uid,
+            topology=signature(mesh),
+            in_scene=bool(obj.users_scene),
+            linear=linear,
+            vertices=rest_positions(mesh),
+            triangles=triangles(mesh),
+        )
+
+    def find(self):
+        """The object again, or Refused where it was deleted, replaced or remodelled meanwhile (row 42)."""
+        obj = bpy.data.objects.get(self.name)
+        if obj is None or obj.session_uid != self.uid or (self.in_scene and not obj.users_scene):
+            raise Refused(f"Object '{self.name}' is gone: nothing was changed")
+        if signature(obj.data) != self.topology:
+            raise Refused(f"The mesh of '{self.name}' was changed meanwhile: nothing was written, run again")
+        return obj

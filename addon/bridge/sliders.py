@@ -1,0 +1,56 @@
+"""One custom property that drives several shape keys, each by its hat function."""
+
+import bpy
+
+from ..core import hat
+
+
+def data_path(slider):
+    """The path of the custom property from its object."""
+    return f'["{bpy.utils.escape_identifier(slider)}"]'
+
+
+def add(obj, slider, description):
+    """Makes the custom property, 0 to 1."""
+    obj[slider] = 0.0
+    obj.id_properties_ui(slider).update(
+        min=0.0, max=1.0, soft_min=0.0, soft_max=1.0, default=0.0, description=description
+    )
+
+
+def drive(key, obj, slider, knots, index):
+    """Drives the value of a key by hat ``index``, drawn as the corners of the driver's own curve.
+
+    A curve and one variable: no expression, so it plays where Python drivers are not allowed to run, and
+    the artist can bend it in the Drivers editor.
+    """
+    key.driver_remove("value")
+    curve = key.driver_add("value")
+    while curve.modifiers:  # 4.2 starts a driver with a generator, later versions with two points
+        curve.modifiers.remove(curve.modifiers[0])
+    curve.keyframe_points.clear()
+    for time, value in hat.points(knots, index):
+        curve.keyframe_points.insert(time, value, options={"FAST"}).interpolation = "LINEAR"
+    curve.extrapolation = "CONSTANT"
+    curve.update()
+    driver = curve.driver
+    driver.type = "SUM"
+    variable = driver.variables.new()
+    variable.name = "slider"
+    variable.targets[0].id = obj
+    variable.targets[0].data_path = data_path(slider)
+
+
+def driven_keys(obj, slider):
+    """Names of the shape keys that the slider drives, in the order of the key list."""
+    keys = obj.data.shape_keys
+    if keys is None or keys.animation_data is None:
+        return []
+    path = data_path(slider)
+    driven = {
+        curve.data_path
+        for curve in keys.animation_data.drivers
+        for variable in curve.driver.variables
+        if variable.targets[0].id == obj and variable.targets[0].data_path == path
+    }
+    return [key.name for key in keys.key_blocks if key.path_from_id("value") in driven]

@@ -1,0 +1,168 @@
+"""Marker pairs and their file.
+
+A marker says that vertex ``source`` of one mesh and vertex ``target`` of another are the same place. The
+file is JSON::
+
+    {"format": "lissom-markers", "version": 1,
+     "source": {"name": "Face", "vertices": 26719}, "target": {"name": "Suzanne", "vertices": 507},
+     "pairs": [{"name": "tip of the nose", "source": 1834, "target": 92}]}
+
+``source`` and ``target`` of the whole are notes for the reader; only ``vertices`` is compared on loading.
+"""
+
+import json
+import os
+import re
+from typing import NamedTuple
+
+from .names import MAX_BYTES
+from .refused import Refused, first
+
+FORMAT = "lissom-markers"
+VERSION = 1
+
+# Far above any real file (a thousand pairs take 80 kB), far below what could stall Blender (row 41).
+MAX_FILE_BYTES = 4 * 1024 * 1024
+MAX_DEPTH = 16
+MAX_PAIRS = 20_000
+
+_STRING_OR_BRACKET = re.compile(r'"(?:[^"\\]|\\.)*+"|[\[\]{}]', re.DOTALL)
+
+
+class Marker(NamedTuple):
+    """One pair: a label and a vertex index on either mesh."""
+
+    name: str
+    source: int
+    target: int
+
+
+class MarkerFile(NamedTuple):
+    """What a file holds; a count of vertices is None where the file does not say."""
+
+    pairs: list[Marker]
+    source_vertices: int | None
+    target_vertices: int | None
+
+
+def save(path, pairs, source, target):
+    """Writes pairs to ``path``; ``source`` and ``target`` are (name, vertex count) of the two meshes."""
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(dumps(pairs, source, target))
+
+
+def load(path):
+    """Reads a marker file; Refused where it is missing, too large, too deep or malformed."""
+    if not os.path.isfile(path):  # a pipe or a device would block
+        raise Refused(f"Marker file '{path}' does not exist")
+    try:
+        with open(path, "rb") as file:
+            data = file.read(MAX_FILE_BYTES + 1)
+    except OSError as error:
+        raise Refused(f"Marker file '{path}' cannot be read: {error.strerror}") from error
+    if len(data) > MAX_FILE_BYTES:
+        raise Refused(
+            f"Marker file '{path}' is larger than {MAX_FILE_BYTES // 2**20} MiB: this is no marker file"
+        )
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise Refused(f"Marker file '{path}' is not text: byte {error.start} is not UTF-8") from error
+    try:
+        return loads(text)
+    except Refused as error:
+        raise Refused(f"Marker file '{path}': {error}") from error
+
+
+def dumps(pairs, source, target):
+    """The text of a marker file, one pair a line."""
+    head = {
+        "format": FORMAT,
+        "version": VERSION,
+        "source": {"name": source[0], "vertices": source[1]},
+        "target": {"name": target[0], "vertices": target[1]},
+    }
+    lines = ",\n".join("  " + json.dumps(marker._asdict(), ensure_ascii=False) for marker in pairs)
+    body = f"[\n{lines}\n ]" if pairs else "[]"
+    return json.dumps(head, ensure_ascii=False, indent=1)[:-2] + f',\n "pairs": {body}\n}}\n'
+
+
+def loads(text):
+    """Reads the text of a marker file."""
+    if len(text) > MAX_FILE_BYTES:
+        raise Refused(f"more than {MAX_FILE_BYTES // 2**20} MiB of text")
+    _check_depth(text)
+    try:
+        document = json.loads(text, parse_constant=_no_constant)
+    except (ValueError, RecursionError) as error:
+        raise Refused(f"not valid JSON: {error}") from error
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        raise Refused(f'no lissom markers: "format" must be "{FORMAT}"')
+    version = document.get("version")
+    if not _is_index(version) or version > VERSION:
+        raise Refused(f'"version" is {version!r:.40}, this release reads up to {VERSION}: update Lissom')
+    rows = document.get("pairs")
+    if not isinstance(rows, list):
+        raise Refused('"pairs" must be a list')
+    if len(rows) > MAX_PAIRS:
+        raise Refused(f'"pairs" holds {len(rows)} entries, more than {MAX_PAIRS}')
+    pairs = [_pair(number, row) for number, row in enumerate(rows)]
+    return MarkerFile(pairs, _vertices(document, "source"), _vertices(document, "target"))
+
+
+def check(pairs, source_vertices, target_vertices):
+    """Refused where an index is out of range or two pairs share a vertex (rows 9 and 28)."""
+    for side, count in (("source", source_vertices), ("target", target_vertices)):
+        beyond = [marker for marker in pairs if not 0 <= getattr(marker, side) < count]
+        if beyond:
+            listed = first(f"'{marker.name}' at {getattr(marker, side)}" for marker in beyond)
+            raise Refused(
+                f"The {side} mesh has {count} vertices, which these markers lie beyond: {listed}. "
+                "Are source and target the meshes the markers were made for?"
+            )
+        seen = {}
+        for marker in pairs:
+            other = seen.setdefault(getattr(marker, side), marker)
+            if other is not marker:
+                raise Refused(
+                    f"Markers '{other.name}' and '{marker.name}' lie on the same {side} vertex "
+                    f"{getattr(marker, side)}: remove one of them"
+                )
+
+
+def _check_depth(text):
+    depth = 0
+    for match in _STRING_OR_BRACKET.finditer(text):
+        depth += {"[": 1, "{": 1, "]": -1, "}": -1}.get(match[0], 0)
+        if depth > MAX_DEPTH:
+            raise Refused(f"nested deeper than {MAX_DEPTH} levels")
+
+
+def _no_constant(word):
+    raise ValueError(f"{word} is not a number of JSON")
+
+
+def _is_index(value):
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 2**31
+
+
+def _pair(number, row):
+    if not isinstance(row, dict):
+        raise Refused(f'"pairs" entry {number} must be an object with "source" and "target"')
+    for side in ("source", "target"):
+        if not _is_index(row.get(side)):
+            raise Refused(
+                f'"pairs" entry {number}: "{side}" must be a vertex index, not {row.get(side)!r:.40}'
+            )
+    name = row.get("name", f"Marker {number + 1}")
+    if not isinstance(name, str):
+        raise Refused(f'"pairs" entry {number}: "name" must be text, not {name!r:.40}')
+    return Marker(
+        name.encode(errors="ignore")[:MAX_BYTES].decode(errors="ignore"), row["source"], row["target"]
+    )
+
+
+def _vertices(document, side):
+    note = document.get(side)
+    count = note.get("vertices") if isinstance(note, dict) else None
+    return count if _is_index(count) else None

@@ -1,0 +1,119 @@
+"""A bound mesh: handles and region by name, checked, and the native pose that follows the handles."""
+
+import lissom
+import numpy as np
+
+from .refused import Refused, first
+from .work import Work
+
+# Empties keep their place in single precision: below this part of the mesh's extent a handle stands still.
+STILL = 2e-6
+
+# A method takes two small steps in a row for convergence: with fewer in one go it would never find any.
+FEWEST_ITERATIONS = 4
+
+
+def check_groups(groups, handles, roi):
+    """Refused where a vertex group is missing, empty or overlaps another handle (rows 19, 23, 25).
+
+    ``groups`` maps names to sorted vertex indices, ``handles`` is a list of names, ``roi`` a name or "".
+    """
+    if not handles:
+        raise Refused("There is no handle: add a vertex group as a handle, then bind")
+    missing = [name for name in [*handles, *([roi] if roi else [])] if name not in groups]
+    if missing:
+        raise Refused(
+            f"Vertex group {first(repr(name) for name in missing)} is missing: it was renamed or removed. "
+            "Choose it anew in the list of handles or as region, then bind"
+        )
+    for name in handles:
+        if not len(groups[name]):
+            raise Refused(f"Vertex group '{name}' holds no vertices: assign some, then bind")
+    if roi and not len(groups[roi]):
+        raise Refused(
+            f"The region's vertex group '{roi}' holds no vertices: assign some, or clear the region"
+        )
+    for number, name in enumerate(handles):
+        for other in handles[:number]:
+            shared = np.intersect1d(groups[name], groups[other])
+            if len(shared):
+                raise Refused(
+                    f"Handles '{other}' and '{name}' share vertices {first(shared)}: "
+                    "take them out of one of the two vertex groups"
+                )
+
+
+class BoundPose:
+    """The native pose of one bound mesh, with what it was made from, to tell whether it still holds."""
+
+    def __init__(self, vertices, triangles, corners, handles, roi, method):
+        """``vertices`` (n, 3) in solve space, ``corners`` (c,) the vertices of the faces in turn.
+
+        ``handles`` is a list of vertex index arrays, ``roi`` one such array or None.
+        """
+        self.vertices = vertices
+        self.corners = corners
+        self.method = method
+        mesh = lissom.Mesh(vertices, triangles)
+        self.pose = lissom.Pose(mesh, handles, roi=roi, method=method)
+        self.warnings = [*mesh.warnings, *self.pose.warnings]
+        self.extent = np.linalg.norm(np.ptp(vertices, axis=0))
+        self._handles = len(handles)
+        self._seconds = None  # of one iteration, in the last solve
+        self.put_to_rest()
+
+    def put_to_rest(self):
+        """The mesh is shown at rest, all handles stand where they were bound."""
+        self._transforms = np.tile(np.eye(4), (self._handles, 1, 1))
+        self._converged = True
+        self._warm = False
+
+    def forget(self):
+        """What is shown is not the last solve: the next occasion solves, and from the rest shape."""
+        self._transforms = None
+        self._warm = False
+
+    def fits(self, vertices, corners, method):
+        """True while mesh and method are the ones this pose was made for."""
+        return (
+            method == self.method
+            and np.array_equal(corners, self.corners)
+            and np.array_equal(vertices, self.vertices)
+        )
+
+    def is_due(self, transforms):
+        """True where a solve would change what is shown: a handle moved, or the last solve stopped early."""
+        if self._transforms is None or not self._converged:
+            return True
+        change = np.abs(transforms - self._transforms)
+        return change[:, :3, :3].max() > STILL or change[:, :3, 3].max() > STILL * self.extent
+
+    def solve(self, transforms, **options):
+        """One solve, at once: (n, 3) in solve space and the report; ``options`` of lissom.Pose.solve."""
+        return self._note(transforms, self.pose.solve(transforms, warm_start=self._warm, **options))
+
+    def work(self, transforms, **options):
+        """The same on a thread of its own, as Work; its result is that of ``solve``."""
+
+        def steps():
+            return self._note(
+                transforms, (yield self.pose.start(transforms, warm_start=self._warm, **options))
+            )
+
+        return Work(steps())
+
+    def _note(self, transforms, result):
+        self._transforms = transforms
+        self._converged = result.report["converged"]
+        self._seconds = result.report["seconds"] / max(1, result.report["iterations"])
+        self._warm = True
+        return result.vertices, result.report
+
+    def iterations_within(self, seconds):
+        """About how many iterations fit into ``seconds``, judged by the last solve, but never too few."""
+        return max(FEWEST_ITERATIONS, int(seconds / self._seconds) if self._seconds else 0)
+
+    @property
+    def converged(self):
+        """Whether the last solve went to the end."""
+        return self._converged

@@ -1,0 +1,44 @@
+"""The space that meshes are solved in: the object's own, with rotation and scale of the object applied.
+
+A mesh under a non-uniform or mirrored object scale looks other than its coordinates say, and "as rigid as
+possible" must mean what the eye sees. The location is left out: it would only cost digits.
+"""
+
+import numpy as np
+
+from .refused import Refused
+
+# Blender stores matrices in single precision; below this ratio of the smallest to the largest singular
+# value the way back would amplify rounding beyond any use.
+SINGULAR = 1e-6
+
+
+def linear_part(matrix_world, name):
+    """The 3x3 linear part of a 4x4 object matrix; refused where it cannot be inverted (row 36)."""
+    linear = np.array(matrix_world, dtype=np.float64)[:3, :3]
+    values = np.linalg.svd(linear, compute_uv=False)
+    if not np.isfinite(values).all() or values[2] <= SINGULAR * values[0]:
+        raise Refused(
+            f"The scale of object '{name}' is zero along an axis: set it to another value, then run again"
+        )
+    return linear
+
+
+def into(linear, positions):
+    """Object coordinates (..., 3) to solve space."""
+    return positions @ linear.T
+
+
+def back(linear, positions):
+    """Solve space (..., 3) to object coordinates."""
+    return positions @ np.linalg.inv(linear).T
+
+
+def handle_transforms(linear, rest, posed):
+    """Rest -> posed in solve space, (h, 4, 4), from handle matrices in object coordinates (h, 4, 4) each.
+
+    T = L P R^-1 L^-1, with L the linear part, R the rest and P the posed matrix of a handle.
+    """
+    lift = np.eye(4)
+    lift[:3, :3] = linear
+    return lift @ posed @ np.linalg.inv(rest) @ np.linalg.inv(lift)

@@ -1,0 +1,72 @@
+"""Transfer of keys: fit where none is at hand, then all keys as right-hand sides of one factorization."""
+
+import lissom
+import numpy as np
+
+from .work import Work
+
+
+def fit_work(source, target, markers, options):
+    """Work whose result is the fit; ``source`` and ``target`` are (vertices, triangles) in solve space."""
+
+    def steps():
+        return (yield start_fit(source, target, markers, options))
+
+    return Work(steps())
+
+
+def start_fit(source, target, markers, options):
+    """The native job for (k, 2) vertex indices ``markers``."""
+    return lissom.start_fit(lissom.Mesh(*source), lissom.Mesh(*target), markers, **options)
+
+
+def transfer_work(source, target, fit, shapes, options):
+    """Work whose result is (fit, shapes on the target (k, n_target, 3), warnings).
+
+    ``fit`` is one that was made before, or what ``start_fit`` needs: (markers, its options). ``shapes``
+    (k, n_source, 3) are absolute positions in solve space; ``options`` are those of lissom.Transfer.
+    """
+
+    def steps():
+        known = (yield start_fit(source, target, *fit)) if isinstance(fit, tuple) else fit
+        if not len(shapes):
+            return known, shapes, []
+        transfer = lissom.Transfer(lissom.Mesh(*source), lissom.Mesh(*target), known, **options)
+        result = yield transfer.start(shapes)
+        return known, result.vertices, list(transfer.warnings)
+
+    return Work(steps())
+
+
+class Keys:
+    """The distinct shapes behind a list of (key, relative key) pairs, and the deltas that come back.
+
+    A key's delta counts from its relative key, which need not be the rest shape (row 33). Both shapes are
+    carried over, so that on the target too the key is what it adds to its relative key.
+    """
+
+    def __init__(self, rest, pairs):
+        """``rest`` (n, 3); ``pairs`` of (n, 3) arrays: the shape of a key and that of its relative key."""
+        self._shapes, self._index, self._rest_shape = [], {}, rest.shape
+        self._pairs = [(self._add(shape, rest), self._add(relative, rest)) for shape, relative in pairs]
+
+    def _add(self, shape, rest):
+        if np.array_equal(shape, rest):
+            return None
+        key = shape.tobytes()
+        if key not in self._index:
+            self._index[key] = len(self._shapes)
+            self._shapes.append(shape)
+        return self._index[key]
+
+    @property
+    def shapes(self):
+        """(k, n, 3): what has to be transferred; the rest shape is not among them."""
+        return np.array(self._shapes).reshape(-1, *self._rest_shape)
+
+    def deltas(self, rest, shapes):
+        """(n_target, 3) for each pair, from the transferred shapes and the target's rest shape."""
+        for shape, relative in self._pairs:
+            yield (rest if shape is None else shapes[shape]) - (
+                rest if relative is None else shapes[relative]
+            )

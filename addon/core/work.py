@@ -1,0 +1,73 @@
+"""Long work as a generator of jobs, which a timer polls or a script waits for.
+
+A generator yields one job after the other (anything with the ``progress``, ``done``, ``cancel()`` and
+``result()`` of the native jobs), is sent each job's result, and returns the result of the whole::
+
+    def steps():
+        fit = yield lissom.start_fit(source, target, markers)
+        poses = yield lissom.Transfer(source, target, fit).start(keys)
+        return fit, poses
+"""
+
+import lissom
+
+
+class Pause:
+    """A job that is done at once: lets the poller look at ESC between pieces of work that are not jobs."""
+
+    done = True
+
+    def __init__(self, fraction, stage):
+        self.progress = (fraction, stage)
+
+    def cancel(self):
+        pass
+
+    def result(self):
+        return None
+
+
+class Work:
+    """Drives one such generator. ``result`` holds what it returned once ``finished`` is True."""
+
+    def __init__(self, steps):
+        self._steps = steps
+        self._job = None
+        self._cancelled = False
+        self.finished = False
+        self.result = None
+        self._advance(None)
+
+    def _advance(self, value):
+        try:
+            self._job = self._steps.send(value)
+        except StopIteration as stop:
+            self._job = None
+            self.finished = True
+            self.result = stop.value
+
+    @property
+    def progress(self):
+        """(fraction in [0, 1], stage) of the job that runs now."""
+        return self._job.progress if self._job else (1.0, "done")
+
+    def poll(self):
+        """Goes on if the running job is done; True once all is finished. Raises what the job raised."""
+        if self._cancelled:  # a job that cannot stop at once is left behind, its result is dropped
+            self._steps.close()
+            raise lissom.Cancelled("cancelled: nothing was changed")
+        if not self.finished and self._job.done:
+            self._advance(self._job.result())
+        return self.finished
+
+    def wait(self):
+        """Runs to the end and returns the result."""
+        while not self.finished:
+            self._advance(self._job.result())
+        return self.result
+
+    def cancel(self):
+        """Asks the running job to stop; the next poll() raises lissom.Cancelled."""
+        self._cancelled = True
+        if self._job:
+            self._job.cancel()

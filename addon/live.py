@@ -1,0 +1,121 @@
+"""The mesh follows its handles while an Empty moves.
+
+Blender tells of moved objects after each update of the dependency graph. With a window, the solve then
+waits for a timer, so that many mouse moves make one solve and the view is drawn in between; an iterative
+method that stops early goes on from there while nothing moves. In background mode, where timers do not run,
+the solve is done at once. Only moved Empties count, and the solve moves none: it cannot call itself.
+"""
+
+import time
+
+import bpy
+import lissom
+from bpy.app.handlers import persistent
+
+from . import session
+from .bridge import poses
+from .bridge.screen import redraw_sidebars
+from .core.refused import Refused
+
+_due = set()  # names of mesh objects to solve
+_delay = 0.0  # seconds until the next solve: half of what the last one took, to leave time for drawing
+MAX_DELAY = 0.25
+BUDGET = 0.05  # seconds that an iterative method may take in one go while the artist watches
+
+
+def mark(obj):
+    """Has the pose of a bound mesh object solved at the next occasion."""
+    _due.add(obj.name)
+    if not bpy.app.background and not bpy.app.timers.is_registered(_flush):
+        bpy.app.timers.register(_flush, first_interval=_delay)
+
+
+def update(obj, seconds=None):
+    """Solves once if the handles moved, within about ``seconds``; True where more iterations are wanted."""
+    settings = obj.lissom_pose
+    if not (settings.bound and settings.live) or obj.mode != "OBJECT":
+        return False
+    started = time.perf_counter()
+    try:
+        bound = poses.current(obj)
+        transforms = poses.transforms(obj)
+        if not bound.is_due(transforms):
+            return False
+        poses.preview(obj)
+        options = {"max_iterations": bound.iterations_within(seconds)} if seconds else {}
+        vertices, _ = bound.solve(transforms, **options)
+        poses.show(obj, vertices)
+    except (Refused, lissom.Error) as error:
+        session.status[obj.name] = ("ERROR", str(error))
+        return False
+    session.status[obj.name] = ("CHECKMARK", f"Solved in {1e3 * (time.perf_counter() - started):.0f} ms")
+    return not bound.converged
+
+
+def _flush():
+    global _delay
+    started = time.perf_counter()
+    for name in list(_due):
+        obj = bpy.data.objects.get(name)
+        if obj is None or not update(obj, BUDGET):
+            _due.discard(name)
+    _delay = min(0.5 * (time.perf_counter() - started), MAX_DELAY)
+    redraw_sidebars()
+    return _delay if _due else None
+
+
+@persistent
+def _on_update(scene, depsgraph):
+    for change in depsgraph.updates:
+        if not change.is_updated_transform or not isinstance(change.id, bpy.types.Object):
+            continue
+        obj = change.id.original.lissom_handle_of
+        if obj is not None and obj.lissom_pose.bound:
+            mark(obj)
+    if bpy.app.background:
+        while _due:
+            obj = bpy.data.objects.get(_due.pop())
+            if obj is not None:
+                update(obj)
+
+
+@persistent
+def _on_history(*_):
+    """After undo or redo positions are those of the past: solve again, from the handles of the past."""
+    session.history += 1
+    session.status.clear()
+    for obj in bpy.data.objects:
+        if obj.type == "MESH" and obj.lissom_pose.bound:
+            if obj.session_uid in session.poses:
+                session.poses[obj.session_uid].forget()
+            mark(obj)
+
+
+@persistent
+def _on_load(*_):
+    session.history += 1
+    _due.clear()
+    session.clear()
+
+
+_HANDLERS = (
+    ("depsgraph_update_post", _on_update),
+    ("frame_change_post", _on_update),
+    ("undo_post", _on_history),
+    ("redo_post", _on_history),
+    ("load_post", _on_load),
+)
+
+
+def register():
+    for event, handler in _HANDLERS:
+        getattr(bpy.app.handlers, event).append(handler)
+
+
+def unregister():
+    for event, handler in _HANDLERS:
+        getattr(bpy.app.handlers, event).remove(handler)
+    if bpy.app.timers.is_registered(_flush):
+        bpy.app.timers.unregister(_flush)
+    _due.clear()
+    session.clear()

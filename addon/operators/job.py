@@ -1,0 +1,135 @@
+"""How operators answer: errors become reports, and long work runs beside Blender."""
+
+import functools
+
+import bpy
+import lissom
+
+from .. import session
+from ..bridge import checks
+from ..bridge.screen import redraw_sidebars
+from ..core.refused import Refused
+
+POLL_SECONDS = 0.05
+
+
+def answering(function):
+    """An operator's method that returns nothing when all went well; a typed error becomes a report.
+
+    Checks and computation come before the first write, so {'CANCELLED'} means that nothing was changed.
+    """
+
+    @functools.wraps(function)
+    def answer(self, context, *arguments):
+        try:
+            return function(self, context, *arguments) or {"FINISHED"}
+        except lissom.Cancelled:
+            self.report({"WARNING"}, "Cancelled: nothing was changed")
+        except (Refused, lissom.Error) as error:
+            self.report({"ERROR"}, str(error))
+        return {"CANCELLED"}
+
+    return answer
+
+
+def allowed(operator_class, reason):
+    """poll(): True where there is no reason against it, else the reason is what the disabled button says."""
+    reason = "Lissom is at work: wait, or press ESC to cancel" if session.work is not None else reason
+    if reason:
+        operator_class.poll_message_set(reason)
+    return not reason
+
+
+def shown_object(context):
+    """The mesh object that a button acts on, as the panel says by a context pointer.
+
+    None for a call from a script, which names any object by a property that poll() cannot see; there
+    execute() refuses in the same words.
+    """
+    return getattr(context, "lissom_object", None)
+
+
+def writable_mesh(operator_class, context, bound=None):
+    """poll() of operators that write to a mesh; ``bound`` True or False asks for that state of its pose."""
+    obj = shown_object(context)
+    reason = "" if obj is None else checks.refusal(obj)
+    if obj is not None and bound is not None and obj.lissom_pose.bound != bound:
+        reason = "Press Bind first" if bound else "The mesh is bound: press Unbind first"
+    return allowed(operator_class, reason)
+
+
+class JobOperator:
+    """Mixin of operators with long work.
+
+    A subclass has ``begin(context)``, which reads the scene and returns core.work.Work, and
+    ``finish(context, result)``, which writes. Between the two, Blender goes on: what ``begin`` keeps in
+    ``self`` must be names and arrays, and ``finish`` must find its objects anew (bridge.meshes.Snapshot).
+    """
+
+    @answering
+    def execute(self, context):
+        """Waits: scripts, the redo panel and background mode."""
+        work = self.begin(context)
+        self.finish(context, work.wait())
+
+    def invoke(self, context, event):
+        """Runs beside Blender, polled by a timer; ESC cancels."""
+        if bpy.app.background or context.window is None:
+            return self.execute(context)
+        return self._start(context)
+
+    @answering
+    def _start(self, context):
+        if session.work is not None:
+            raise Refused("Lissom is still at work: wait, or press ESC to cancel")
+        work = self.begin(context)
+        if work.finished:
+            return self.finish(context, work.result)
+        session.work, session.work_of = work, self.bl_idname
+        self._history = session.history
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(POLL_SECONDS, window=context.window)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        """Looks at the work at every tick of the timer; all other events stay the artist's."""
+        if event.type == "ESC" and event.value == "PRESS":
+            session.work.cancel()
+            return {"RUNNING_MODAL"}
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        answer = {"CANCELLED"}  # for the panel's sake also where a bug of ours goes through as it is
+        try:
+            answer = self._tick(context)
+        finally:
+            if answer != {"PASS_THROUGH"}:
+                self._stop(context)
+        return answer
+
+    @answering
+    def _tick(self, context):
+        work = session.work
+        if session.history != self._history:
+            work.cancel()
+            raise Refused("Undo or redo while Lissom was at work: cancelled, nothing was changed")
+        if not work.poll():
+            self._show(context, work)
+            return {"PASS_THROUGH"}
+        return self.finish(context, work.result)
+
+    def cancel(self, context):
+        """Blender ends the operator: a file is loaded, or Blender quits."""
+        session.work.cancel()
+        self._stop(context)
+
+    def _show(self, context, work):
+        fraction, stage = work.progress
+        context.workspace.status_text_set(f"Lissom: {stage}, {100 * fraction:.0f} %    |    ESC: cancel")
+        redraw_sidebars()
+
+    def _stop(self, context):
+        session.work = None
+        context.window_manager.event_timer_remove(self._timer)
+        context.workspace.status_text_set(None)
+        redraw_sidebars()

@@ -1,0 +1,248 @@
+"""The list of marker pairs: add, remove, clear, save and load."""
+
+import os
+
+import bmesh
+import bpy
+from bpy.props import IntProperty, StringProperty
+from bpy_extras.io_utils import ExportHelper, ImportHelper
+
+from ..bridge import markers as bridge_markers
+from ..bridge import meshes
+from ..core import markers
+from ..core.refused import Refused
+from .job import allowed, answering
+
+SOURCE = {
+    "name": "Source",
+    "description": "Name of the source object; empty: the scene's",
+    "options": {"SKIP_SAVE"},
+}
+TARGET = {
+    "name": "Target",
+    "description": "Name of the target object; empty: the scene's",
+    "options": {"SKIP_SAVE"},
+}
+
+
+def _needs_pair(operator_class, context):
+    settings = context.scene.lissom_transfer
+    missing = settings.source is None or settings.target is None or settings.source == settings.target
+    return allowed(
+        operator_class, "Choose two different objects as source and target first" if missing else ""
+    )
+
+
+def _needs_markers(operator_class, context):
+    missing = not len(context.scene.lissom_transfer.markers)
+    return allowed(operator_class, "There are no markers yet" if missing else "")
+
+
+def _selected(obj):
+    """The selected vertices, in the order of the clicks where Blender remembers it."""
+    chosen = meshes.selected_vertices(obj).tolist()
+    if obj.mode == "EDIT" and len(chosen) > 1:
+        history = bmesh.from_edit_mesh(obj.data).select_history
+        clicked = [element.index for element in history if isinstance(element, bmesh.types.BMVert)]
+        if sorted(clicked) == chosen:
+            return clicked
+        raise Refused(
+            f"{len(chosen)} vertices of '{obj.name}' are selected, not one by one: "
+            "select one vertex on each mesh, or click the vertices one after the other"
+        )
+    return chosen
+
+
+class LISSOM_OT_marker_add(bpy.types.Operator):
+    """Pair the vertex selected on the source with the one selected on the target.
+
+    Select both objects, go to Edit Mode, click a vertex and Shift-click its counterpart on the other"""
+
+    bl_idname = "lissom.marker_add"
+    bl_label = "Add Marker Pair"
+    bl_options = {"REGISTER", "UNDO"}
+
+    source: StringProperty(**SOURCE)
+    target: StringProperty(**TARGET)
+    source_vertex: IntProperty(
+        name="Source Vertex", description="Index of the vertex; -1: the selected one", default=-1, min=-1,
+        options={"SKIP_SAVE"},
+    )  # fmt: skip
+    target_vertex: IntProperty(
+        name="Target Vertex", description="Index of the vertex; -1: the selected one", default=-1, min=-1,
+        options={"SKIP_SAVE"},
+    )  # fmt: skip
+    name: StringProperty(
+        name="Name", description="What this place is; empty: numbered", options={"SKIP_SAVE"}
+    )
+
+    @answering
+    def execute(self, context):
+        source, target = bridge_markers.pair_of_objects(context, self.source, self.target)
+        sides = [
+            [given] if given >= 0 else _selected(obj)
+            for obj, given in ((source, self.source_vertex), (target, self.target_vertex))
+        ]
+        counts = [len(side) for side in sides]
+        if counts[0] != counts[1] or not counts[0]:
+            raise Refused(
+                f"Select one vertex on each mesh: '{source.name}' has {counts[0]} selected, "
+                f"'{target.name}' {counts[1]}"
+            )
+        if counts[0] > 1 and not (source.mode == target.mode == "EDIT"):
+            raise Refused(
+                f"{counts[0]} vertices are selected on each mesh: select one on each, or go to Edit Mode"
+            )
+        known = bridge_markers.of_scene(context.scene)
+        added = []
+        for source_vertex, target_vertex in zip(*sides, strict=True):
+            number = len(known) + len(added) + 1
+            added.append(markers.Marker(self.name or f"Marker {number}", source_vertex, target_vertex))
+        markers.check(known + added, len(source.data.vertices), len(target.data.vertices))
+        _append(context.scene, added)
+
+
+class LISSOM_OT_marker_remove(bpy.types.Operator):
+    """Remove a marker pair from the list"""
+
+    bl_idname = "lissom.marker_remove"
+    bl_label = "Remove Marker Pair"
+    bl_options = {"REGISTER", "UNDO"}
+
+    index: IntProperty(
+        name="Index",
+        description="Place in the list; -1: the active one",
+        default=-1,
+        min=-1,
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def poll(cls, context):
+        return _needs_markers(cls, context)
+
+    @answering
+    def execute(self, context):
+        settings = context.scene.lissom_transfer
+        index = self.index if self.index >= 0 else settings.active_marker
+        if index >= len(settings.markers):
+            raise Refused(f"There is no marker {index}: the list holds {len(settings.markers)}")
+        settings.markers.remove(index)
+        settings.active_marker = max(0, min(settings.active_marker, len(settings.markers) - 1))
+
+
+class LISSOM_OT_marker_clear(bpy.types.Operator):
+    """Remove all marker pairs from the list"""
+
+    bl_idname = "lissom.marker_clear"
+    bl_label = "Remove All Marker Pairs"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return _needs_markers(cls, context)
+
+    @answering
+    def execute(self, context):
+        context.scene.lissom_transfer.markers.clear()
+        context.scene.lissom_transfer.active_marker = 0
+
+
+class LISSOM_OT_marker_show(bpy.types.Operator):
+    """Select the vertices of this marker pair on both meshes"""
+
+    bl_idname = "lissom.marker_show"
+    bl_label = "Show Marker Pair"
+    bl_options = {"REGISTER", "UNDO"}
+
+    index: IntProperty(name="Index", description="Place in the list", min=0, options={"SKIP_SAVE"})
+
+    @classmethod
+    def poll(cls, context):
+        return _needs_pair(cls, context) and _needs_markers(cls, context)
+
+    @answering
+    def execute(self, context):
+        settings = context.scene.lissom_transfer
+        if self.index >= len(settings.markers):
+            raise Refused(f"There is no marker {self.index}: the list holds {len(settings.markers)}")
+        row = settings.markers[self.index]
+        pairs = [(settings.source, row.source), (settings.target, row.target)]
+        markers.check(
+            [markers.Marker(row.name, row.source, row.target)], *(len(obj.data.vertices) for obj, _ in pairs)
+        )
+        for obj, vertex in pairs:
+            meshes.select_only(obj, vertex)
+        settings.active_marker = self.index
+
+
+class LISSOM_OT_marker_load(ImportHelper, bpy.types.Operator):
+    """Read marker pairs from a JSON file in place of the list"""
+
+    bl_idname = "lissom.marker_load"
+    bl_label = "Load Markers"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filename_ext = ".json"
+    filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
+
+    @answering
+    def execute(self, context):
+        settings = context.scene.lissom_transfer
+        loaded = markers.load(bpy.path.abspath(self.filepath))
+        if settings.source and settings.target:
+            counts = [len(obj.data.vertices) for obj in (settings.source, settings.target)]
+            markers.check(loaded.pairs, *counts)
+        for warning in bridge_markers.file_warnings(loaded, settings.source, settings.target):
+            self.report({"WARNING"}, warning)
+        settings.markers.clear()
+        _append(context.scene, loaded.pairs)
+        settings.active_marker = 0
+        self.report({"INFO"}, f"{len(loaded.pairs)} marker pairs from {os.path.basename(self.filepath)}")
+
+
+class LISSOM_OT_marker_save(ExportHelper, bpy.types.Operator):
+    """Write the list of marker pairs to a JSON file"""
+
+    bl_idname = "lissom.marker_save"
+    bl_label = "Save Markers"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filename_ext = ".json"
+    filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
+    source: StringProperty(**SOURCE)
+    target: StringProperty(**TARGET)
+
+    @classmethod
+    def poll(cls, context):
+        return _needs_markers(cls, context)
+
+    @answering
+    def execute(self, context):
+        source, target = bridge_markers.pair_of_objects(context, self.source, self.target)
+        ends = [(obj.name, len(obj.data.vertices)) for obj in (source, target)]
+        pairs = bridge_markers.of_scene(context.scene)
+        path = bpy.path.abspath(self.filepath)
+        try:
+            markers.save(path, pairs, *ends)
+        except OSError as error:
+            raise Refused(f"Marker file '{path}' cannot be written: {error.strerror}") from error
+        self.report({"INFO"}, f"{len(pairs)} marker pairs in {os.path.basename(path)}")
+
+
+def _append(scene, pairs):
+    settings = scene.lissom_transfer
+    for marker in pairs:
+        row = settings.markers.add()
+        row.name, row.source, row.target = marker
+    settings.active_marker = len(settings.markers) - 1
+
+
+classes = (
+    LISSOM_OT_marker_add,
+    LISSOM_OT_marker_remove,
+    LISSOM_OT_marker_clear,
+    LISSOM_OT_marker_show,
+    LISSOM_OT_marker_load,
+    LISSOM_OT_marker_save,
+)

@@ -1,0 +1,1 @@
+"""Panels in the sidebar of the 3D View, one feature a module."""

@@ -1,0 +1,65 @@
+"""In-between: two shape keys, and sliders that play the arc between them."""
+
+import bpy
+
+from ..bridge import checks, sliders
+from .common import Sidebar, draw_lines, draw_progress, split_column
+
+
+class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
+    """Bake the arc between two shape keys, to be played by one slider."""
+
+    bl_idname = "LISSOM_PT_inbetween"
+    bl_label = "In-between"
+
+    def draw(self, context):
+        layout = self.layout
+        obj = checks.active_mesh(context)
+        if obj is None:
+            layout.label(text="Select a mesh object", icon="INFO")
+            return
+        layout.context_pointer_set("lissom_object", obj)
+        layout.label(text=obj.name, icon="OUTLINER_OB_MESH", translate=False)
+        settings = obj.lissom_inbetween
+        keys = obj.data.shape_keys
+        column = split_column(layout)
+        if keys:
+            column.prop_search(
+                settings,
+                "start",
+                keys,
+                "key_blocks",
+                text="From" if settings.start else "From (Basis)",
+                icon="SHAPEKEY_DATA",
+            )
+            column.prop_search(settings, "end", keys, "key_blocks", text="To", icon="SHAPEKEY_DATA")
+        else:
+            draw_lines(column, "INFO", "This mesh has no shape keys yet")
+        column.prop(settings, "count")
+        column.prop(settings, "rotation")
+        column.prop(settings, "slider", placeholder=f"{settings.end} arc" if settings.end else "")
+        row = layout.row()
+        row.scale_y = 1.4
+        bake = row.operator("lissom.inbetween_bake", icon="IPO_EASE_IN_OUT")
+        bake.object = obj.name
+        for name in ("start", "end", "count", "rotation", "slider"):
+            setattr(bake, name, getattr(settings, name))
+        reason = checks.refusal(obj)
+        if reason:
+            draw_lines(layout, "INFO", reason)
+        draw_progress(layout, "inbetween")
+        self._draw_sliders(layout, obj, settings)
+
+    def _draw_sliders(self, layout, obj, settings):
+        arcs = [arc for arc in settings.arcs if arc.name in obj]
+        if not arcs:
+            return
+        layout.label(text="Sliders:")
+        for arc in arcs:
+            row = layout.row(align=True)
+            row.prop(obj, sliders.data_path(arc.name), text=arc.name, slider=True)
+            remove = row.operator("lissom.inbetween_remove", text="", icon="X")
+            remove.object, remove.slider = obj.name, arc.name
+
+
+classes = (LISSOM_PT_inbetween,)

@@ -1,0 +1,135 @@
+"""Pose: a region, handles, and Empties that move them."""
+
+import bpy
+
+from .. import session
+from ..bridge import checks, empties
+from .common import Sidebar, draw_lines, draw_progress, split_column
+
+
+class LISSOM_UL_handles(bpy.types.UIList):
+    """The handles of a mesh."""
+
+    bl_idname = "LISSOM_UL_handles"
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property):
+        obj = item.id_data
+        known = item.name in obj.vertex_groups
+        row = layout.row(align=True)
+        row.alert = not known or not empties.is_alive(item.empty)
+        if row.alert:
+            lost = "no such group" if not known else "Empty deleted"
+            row.label(text=f"{item.name} ({lost})", icon="ERROR")
+            return
+        row.label(text=item.name, icon="GROUP_VERTEX")
+        chosen = item.empty.select_get()
+        select = row.operator(
+            "lissom.pose_handle_select",
+            text="",
+            icon="RESTRICT_SELECT_OFF" if chosen else "EMPTY_AXIS",
+            emboss=False,
+        )
+        select.object, select.handle = obj.name, item.name
+
+
+class LISSOM_MT_handle_add(bpy.types.Menu):
+    """Choose the vertices of a new handle"""
+
+    bl_idname = "LISSOM_MT_handle_add"
+    bl_label = "Add Handle"
+
+    def draw(self, context):
+        layout = self.layout
+        obj = checks.active_mesh(context)
+        layout.context_pointer_set("lissom_object", obj)
+        new = layout.operator(
+            "lissom.pose_handle_add", text="From Selected Vertices", icon="RESTRICT_SELECT_OFF"
+        )
+        new.object = obj.name
+        layout.separator()
+        free = [group.name for group in obj.vertex_groups if group.name not in obj.lissom_pose.handles]
+        for name in free:
+            add = layout.operator("lissom.pose_handle_add", text=name, icon="GROUP_VERTEX", translate=False)
+            add.object, add.vertex_group = obj.name, name
+        if not free:
+            layout.label(text="No other vertex group")
+
+
+class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
+    """Move a few handles, and the mesh follows with its details intact."""
+
+    bl_idname = "LISSOM_PT_pose"
+    bl_label = "Pose"
+
+    def draw(self, context):
+        layout = self.layout
+        obj = checks.active_mesh(context)
+        if obj is None:
+            layout.label(text="Select a mesh object", icon="INFO")
+            return
+        settings = obj.lissom_pose
+        layout.context_pointer_set("lissom_object", obj)
+        layout.label(text=obj.name, icon="OUTLINER_OB_MESH", translate=False)
+        self._draw_setup(layout.column(), obj, settings)
+        if not settings.bound:
+            self._draw_method(layout, settings)
+            row = layout.row()
+            row.scale_y = 1.4
+            bind = row.operator("lissom.pose_bind", icon="LINKED")
+            bind.object, bind.method = obj.name, settings.method
+            reason = checks.refusal(obj)
+            if reason and obj.mode != "EDIT":
+                draw_lines(layout, "INFO", reason)
+            return
+        self._draw_method(layout, settings)
+        self._draw_bound(layout, obj, settings)
+
+    def _draw_setup(self, column, obj, settings):
+        row = column.row(align=True)
+        row.enabled = not settings.bound
+        row.prop_search(
+            settings,
+            "roi",
+            obj,
+            "vertex_groups",
+            text="Region",
+            icon="GROUP_VERTEX",
+        )
+        region = row.operator("lissom.pose_region_from_selection", text="", icon="ADD")
+        region.object = obj.name
+        column.separator()
+        column.label(text="Handles:")
+        row = column.row()
+        row.template_list("LISSOM_UL_handles", "", settings, "handles", settings, "active_handle", rows=3)
+        side = row.column(align=True)
+        side.enabled = not settings.bound
+        side.menu("LISSOM_MT_handle_add", text="", icon="ADD")
+        active = settings.active_handle
+        remove = side.operator("lissom.pose_handle_remove", text="", icon="REMOVE")
+        remove.object = obj.name
+        if 0 <= active < len(settings.handles):
+            remove.handle = settings.handles[active].name
+
+    def _draw_method(self, layout, settings):
+        column = split_column(layout)
+        column.prop(settings, "method")
+
+    def _draw_bound(self, layout, obj, settings):
+        row = layout.row(align=True)
+        row.prop(settings, "live", toggle=True, icon="PLAY")
+        row.operator("lissom.pose_update", icon="FILE_REFRESH").object = obj.name
+        row.operator("lissom.pose_reset", text="Reset", icon="LOOP_BACK").object = obj.name
+        icon, text = session.status.get(obj.name, ("INFO", "Move an Empty: the mesh follows"))
+        draw_lines(layout, icon, text)
+        draw_progress(layout, "pose")
+        layout.separator()
+        box = layout.column(align=True)
+        box.prop(settings, "key_name", icon="SHAPEKEY_DATA", text="")
+        row = box.row(align=True)
+        row.scale_y = 1.4
+        apply = row.operator("lissom.pose_apply", icon="CHECKMARK")
+        apply.object, apply.name = obj.name, settings.key_name
+        layout.operator("lissom.pose_unbind", icon="UNLINKED").object = obj.name
+
+
+classes = (LISSOM_UL_handles, LISSOM_MT_handle_add, LISSOM_PT_pose)

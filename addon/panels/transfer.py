@@ -1,0 +1,149 @@
+"""Transfer: source, target, markers, fit, keys."""
+
+import bpy
+
+from .. import session
+from ..bridge import markers as bridge_markers
+from ..bridge import shape_keys
+from .common import Sidebar, draw_lines, draw_progress, split_column
+
+
+class LISSOM_UL_markers(bpy.types.UIList):
+    """Marker pairs."""
+
+    bl_idname = "LISSOM_UL_markers"
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
+        row = layout.row(align=True)
+        row.prop(item, "name", text="", emboss=False, icon="PMARKER_ACT")
+        row.operator("lissom.marker_show", text="", icon="RESTRICT_SELECT_OFF", emboss=False).index = index
+
+
+class LISSOM_UL_keys(bpy.types.UIList):
+    """The source's shape keys with a tick each."""
+
+    bl_idname = "LISSOM_UL_keys"
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property):
+        ticked = item.name in context.scene.lissom_transfer.chosen
+        row = layout.row(align=True)
+        toggle = row.operator(
+            "lissom.transfer_choose",
+            text="",
+            icon="CHECKBOX_HLT" if ticked else "CHECKBOX_DEHLT",
+            emboss=False,
+        )
+        toggle.action, toggle.key = "TOGGLE", item.name
+        row.label(text=item.name, translate=False)
+
+    def filter_items(self, context, data, property_name):
+        keys = getattr(data, property_name)
+        helper = bpy.types.UI_UL_list
+        flags = [self.bitflag_filter_item] * len(keys)
+        if self.filter_name:
+            flags = helper.filter_items_by_name(self.filter_name, self.bitflag_filter_item, keys)
+        return [flag if key != data.reference_key else 0 for flag, key in zip(flags, keys, strict=True)], []
+
+
+class LISSOM_MT_markers(bpy.types.Menu):
+    """Files and the whole list"""
+
+    bl_idname = "LISSOM_MT_markers"
+    bl_label = "Markers"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.operator_context = "INVOKE_DEFAULT"  # the file browser
+        layout.operator("lissom.marker_load", icon="IMPORT", text="Load...")
+        layout.operator("lissom.marker_save", icon="EXPORT", text="Save...")
+        layout.separator()
+        layout.operator("lissom.marker_clear", icon="X", text="Remove All")
+
+
+class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
+    """Carry the shape keys of one mesh over to another of different topology."""
+
+    bl_idname = "LISSOM_PT_transfer"
+    bl_label = "Transfer"
+
+    def draw(self, context):
+        layout = self.layout
+        settings = context.scene.lissom_transfer
+        layout.context_pointer_set("lissom_transfer", settings)
+        column = split_column(layout)
+        column.prop(settings, "source", icon="OUTLINER_OB_MESH")
+        column.prop(settings, "target", icon="OUTLINER_OB_MESH")
+        self._draw_markers(layout, settings)
+        column = split_column(layout)
+        column.prop(settings, "match_distance")
+        row = layout.row()
+        row.scale_y = 1.4
+        fit = row.operator("lissom.transfer_fit", icon="MOD_SHRINKWRAP")
+        fit.match_distance = settings.match_distance
+        self._draw_fit(layout, context)
+        self._draw_keys(layout, settings)
+        row = layout.row()
+        row.scale_y = 1.4
+        transfer = row.operator("lissom.transfer_keys", icon="SHAPEKEY_DATA")
+        transfer.exists, transfer.unmatched = settings.exists, settings.unmatched
+        transfer.match_distance = settings.match_distance
+        transfer.keys = "\n".join(row.name for row in settings.chosen) if settings.which == "SELECTED" else ""
+        draw_progress(layout, "transfer")
+
+    def _draw_markers(self, layout, settings):
+        layout.label(text=f"Markers: {len(settings.markers)}" if len(settings.markers) else "Markers:")
+        row = layout.row()
+        row.template_list("LISSOM_UL_markers", "", settings, "markers", settings, "active_marker", rows=4)
+        side = row.column(align=True)
+        side.operator("lissom.marker_add", text="", icon="ADD")
+        side.operator("lissom.marker_remove", text="", icon="REMOVE")
+        side.separator()
+        side.menu("LISSOM_MT_markers", text="", icon="DOWNARROW_HLT")
+        if settings.active_marker < len(settings.markers):
+            active = settings.markers[settings.active_marker]
+            row = layout.row(align=True)
+            row.prop(active, "source", text="Source")
+            row.prop(active, "target", text="Target")
+        if len(settings.markers) < 3:
+            draw_lines(
+                layout,
+                "INFO",
+                "Select both meshes, press Tab, click a vertex, Shift-click its counterpart on the other, "
+                "and press +. Ten or more pairs suit a face",
+            )
+
+    def _draw_fit(self, layout, context):
+        settings = context.scene.lissom_transfer
+        memory = session.fit
+        if memory is None or not settings.source or not settings.target:
+            return
+        same = (memory.source, memory.target) == (settings.source.name, settings.target.name)
+        if same and memory.pairs == bridge_markers.of_scene(context.scene):
+            draw_lines(layout, "CHECKMARK", memory.summary)
+        elif same:
+            draw_lines(layout, "INFO", "The markers were changed since the last fit: Transfer fits again")
+
+    def _draw_keys(self, layout, settings):
+        source = settings.source
+        layout.label(text="Shape keys:")
+        layout.row().prop(settings, "which", expand=True)
+        if settings.which == "SELECTED" and source and shape_keys.key_names(source):
+            column = layout.column(align=True)
+            column.template_list(
+                "LISSOM_UL_keys",
+                "",
+                source.data.shape_keys,
+                "key_blocks",
+                source,
+                "active_shape_key_index",
+                rows=4,
+            )
+            row = column.row(align=True)
+            row.operator("lissom.transfer_choose", text="All").action = "ALL"
+            row.operator("lissom.transfer_choose", text="None").action = "NONE"
+        column = split_column(layout)
+        column.prop(settings, "unmatched")
+        column.prop(settings, "exists")
+
+
+classes = (LISSOM_UL_markers, LISSOM_UL_keys, LISSOM_MT_markers, LISSOM_PT_transfer)

@@ -1,0 +1,1 @@
+"""Settings that are saved in the file, one feature a module."""

@@ -1,0 +1,59 @@
+"""Settings of in-betweens, on the mesh object."""
+
+import bpy
+from bpy.props import CollectionProperty, EnumProperty, IntProperty, PointerProperty, StringProperty
+
+ROTATION_ITEMS = [
+    (
+        "consistent",
+        "Consistent",
+        "Neighbouring faces turn alike: twists beyond half a turn come out whole",
+        0,
+    ),
+    ("shortest", "Shortest", "Every face turns the short way by itself; for turns below half a turn", 1),
+]
+
+
+class LissomArc(bpy.types.PropertyGroup):
+    """A baked arc; its name is that of the slider."""
+
+    name: StringProperty(name="Slider")
+    start: StringProperty(name="From")
+    end: StringProperty(name="To")
+
+
+class LissomInbetween(bpy.types.PropertyGroup):
+    """Settings of one mesh object."""
+
+    start: StringProperty(name="From", description="Shape key that the arc starts at. Empty: the Basis")
+    end: StringProperty(name="To", description="Shape key that the arc ends at")
+    count: IntProperty(
+        name="In-betweens",
+        description="Shape keys between the two; more follow the arc more closely",
+        default=5,
+        min=1,
+        soft_max=20,
+        max=100,
+    )
+    rotation: EnumProperty(
+        name="Rotation",
+        description="How the turn of every face is chosen",
+        items=ROTATION_ITEMS,
+        default="consistent",
+    )
+    slider: StringProperty(
+        name="Slider",
+        description="Name of the slider, and of the baked keys. Empty: named after the key it leads to",
+    )
+    arcs: CollectionProperty(type=LissomArc)
+
+
+classes = (LissomArc, LissomInbetween)
+
+
+def register():
+    bpy.types.Object.lissom_inbetween = PointerProperty(type=LissomInbetween)
+
+
+def unregister():
+    del bpy.types.Object.lissom_inbetween

@@ -1,0 +1,112 @@
+"""Settings of a transfer, on the scene."""
+
+import bpy
+from bpy.props import (
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+EXISTS_ITEMS = [
+    ("UPDATE", "Update", "Write over a shape key of the same name"),
+    ("SKIP", "Skip", "Leave a shape key of the same name as it is"),
+    ("RENAME", "Rename", "Keep a shape key of the same name and number the new one"),
+]
+
+
+def exists_property(default):
+    """What a key gets whose name is taken (row 32)."""
+    return EnumProperty(
+        name="If Exists",
+        description="What to do where a shape key of that name is there already",
+        items=EXISTS_ITEMS,
+        default=default,
+    )
+
+
+def match_distance_property():
+    """The option of the same name of lissom.start_fit."""
+    return FloatProperty(
+        name="Match Distance",
+        description="How far apart the centres of matched faces may be, as a part of the target's diagonal",
+        default=0.02,
+        min=0.0,
+        soft_max=0.1,
+        max=1.0,
+        precision=3,
+    )
+
+
+def unmatched_property():
+    """The option of the same name of lissom.Transfer (row 30)."""
+    return EnumProperty(
+        name="Loose Parts",
+        description="What parts of the target do that no part of the source matches, such as eyes and teeth",
+        items=[
+            ("follow", "Follow", "Move rigidly with the nearest matched surface"),
+            ("rest", "Stay", "Stay where they are"),
+        ],
+    )
+
+
+def _is_mesh(_, obj):
+    return obj.type == "MESH"
+
+
+class LissomMarker(bpy.types.PropertyGroup):
+    """One marker pair."""
+
+    name: StringProperty(name="Name", description="What this place is, such as: left corner of the mouth")
+    source: IntProperty(name="Source Vertex", description="Index of the vertex on the source mesh", min=0)
+    target: IntProperty(name="Target Vertex", description="Index of the vertex on the target mesh", min=0)
+
+
+class LissomKeyChoice(bpy.types.PropertyGroup):
+    """The name of a shape key that is ticked."""
+
+    name: StringProperty(name="Shape Key")
+
+
+class LissomTransfer(bpy.types.PropertyGroup):
+    """Settings of the scene's transfer."""
+
+    source: PointerProperty(
+        type=bpy.types.Object,
+        poll=_is_mesh,
+        name="Source",
+        description="The mesh whose shape keys are carried over",
+    )
+    target: PointerProperty(
+        type=bpy.types.Object,
+        poll=_is_mesh,
+        name="Target",
+        description="The mesh that receives the shape keys",
+    )
+    markers: CollectionProperty(type=LissomMarker)
+    active_marker: IntProperty(name="Active Marker", options=set())
+    which: EnumProperty(
+        name="Keys",
+        description="Which shape keys of the source to carry over",
+        items=[
+            ("ALL", "All", "All shape keys of the source"),
+            ("SELECTED", "Selected", "Only the shape keys that are ticked in the list"),
+        ],
+    )
+    chosen: CollectionProperty(type=LissomKeyChoice)
+    match_distance: match_distance_property()
+    unmatched: unmatched_property()
+    exists: exists_property("UPDATE")
+
+
+classes = (LissomMarker, LissomKeyChoice, LissomTransfer)
+
+
+def register():
+    bpy.types.Scene.lissom_transfer = PointerProperty(type=LissomTransfer)
+
+
+def unregister():
+    del bpy.types.Scene.lissom_transfer

@@ -1,0 +1,20 @@
+"""What lives only in memory: native objects, the running job, and lines of text for the panels.
+
+Nothing here refers to Blender's data: objects are known by name or session_uid, so that undo, deletion and
+loading a file leave no dangling reference. All of it can be lost and made again.
+"""
+
+poses = {}  # session_uid of a mesh object -> core.pose.BoundPose
+status = {}  # name of a mesh object -> (icon, text) about its live pose
+fit = None  # operators.transfer_fit.Memory: the last fit
+work = None  # core.work.Work that a modal operator runs now; there is at most one
+work_of = ""  # bl_idname of that operator
+history = 0  # counts undo, redo and file loading
+
+
+def clear():
+    """Forgets everything that belongs to a file."""
+    global fit
+    poses.clear()
+    status.clear()
+    fit = None

@@ -1,0 +1,108 @@
+"""The report: all figures as JSON, and a page of Markdown to read."""
+
+import json
+
+
+def write(folder, figures):
+    """Writes report.json and report.md."""
+    (folder / "report.json").write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+    (folder / "report.md").write_text(page(figures), encoding="utf-8")
+
+
+def page(figures):
+    """The report as Markdown."""
+    sections = [
+        "# What the demo did",
+        f"Blender {figures['blender']}, lissom {figures['lissom']}, {figures['processors']} processors, "
+        f"{figures['seconds']:.0f} s in all, of which {figures['picture_seconds']:.0f} s for the pictures. "
+        "Seconds of the jobs are for the operators as a whole.",
+        *_pose(figures["pose"]),
+        *_remeshed(figures["remeshed"]),
+        *_suzanne(figures["suzanne"]),
+        *_inbetween(figures["inbetween"]),
+    ]
+    return "\n\n".join(sections) + "\n"
+
+
+def expressions(rows):
+    """The table of errors against the known answer."""
+    columns = {
+        "rms": "RMS error", "p99": "99 % below", "max": "Max error",
+        "motion_rms": "RMS motion", "motion_max": "Max motion", "closest_point_rms": "Closest point, RMS",
+    }  # fmt: skip
+    mean = {column: sum(row[column] for row in rows) / len(rows) for column in columns}
+    lines = [{"expression": "**mean**", **mean}]
+    body = [(row["expression"], *(f"{row[column]:.3f}" for column in columns)) for row in [*rows, *lines]]
+    return table(("Expression", *columns.values()), body)
+
+
+def table(heads, rows):
+    """A Markdown table; all columns but the first are aligned to the right."""
+    lines = ["| " + " | ".join(heads) + " |", "|---|" + "---:|" * (len(heads) - 1)]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
+
+
+def _pose(figures):
+    rows = [
+        (row["pose"], str(row["free_vertices"]), f"{row['bind_seconds']:.2f} s", f"{row['seconds']:.2f} s")
+        for row in figures["poses"]
+    ]
+    yield "## Pose"
+    yield f"A bust of {figures['vertices']} vertices."
+    yield table(("Pose", "Free vertices", "Bind", "Solve, as shape key"), rows)
+    yield "![Pose](pose.png)"
+
+
+def _remeshed(figures):
+    yield "## Transfer to another person, remeshed"
+    yield (
+        f"From {figures['source_vertices']} vertices ({figures['source_triangles']} triangles) to "
+        f"{figures['target_vertices']} ({figures['target_triangles']}), which Blender's Decimate left of the "
+        f"other person. {_transfer(figures)}"
+    )
+    yield (
+        "Distance to the known answer, identity + expression, in percent of the diagonal of the target's "
+        "bounding box, over all vertices. Beside it: how far the expression moves them, and the error of "
+        "copying offsets from the closest point of the source that faces the same way."
+    )
+    yield expressions(figures["expressions"])
+    place = figures["distance_to_full_surface"]
+    yield (
+        f"The answer is read off the surface before it was thinned out, from which the target's vertices are "
+        f"{place['rms']:.3f} % away (root mean square; at most {place['max']:.3f} %)."
+    )
+    yield "![Transfer to another person](remeshed.png)"
+
+
+def _suzanne(figures):
+    yield "## Transfer to Suzanne"
+    yield (
+        f"From {figures['source_vertices']} vertices of skin to {figures['target_vertices']} "
+        f"({figures['target_triangles']} triangles). {_transfer(figures)}"
+    )
+    yield "![Transfer to Suzanne](suzanne.png)"
+
+
+def _transfer(figures):
+    return (
+        f"Linked by {figures['markers']} marker pairs. Fit: {figures['fit_seconds']:.1f} s; "
+        f"{figures['keys']} keys: {figures['transfer_seconds']:.1f} s."
+    )
+
+
+def _inbetween(figures):
+    edge, depth = figures["turn_edge_error_percent"], figures["blink_depth_mm"]
+    yield "## In-between"
+    yield (
+        f"A head of {figures['turn_vertices']} vertices from one shoulder to the other: {figures['keys']} "
+        f"shape keys under one slider in {figures['turn_seconds']:.1f} s. Half way, edge lengths are off by "
+        f"{edge['straight']:.1f} % on the straight way and by {edge['lissom']:.1f} % on the baked one (root "
+        "mean square, against the mean of both ends)."
+    )
+    yield (
+        f"A blink of {figures['blink_vertices']} vertices: {figures['keys']} shape keys in "
+        f"{figures['blink_seconds']:.1f} s. On their way the lids sink into the eyes by up to "
+        f"{depth['straight']:.2f} mm more than at either end on the straight way, by "
+        f"{depth['lissom']:.2f} mm on the baked one."
+    )
+    yield "![In-between](inbetween.png)"

@@ -1,0 +1,43 @@
+import numpy as np
+import pytest
+from lissom_addon_core import space
+from lissom_addon_core.refused import Refused
+from numpy.testing import assert_allclose
+
+MATRIX = np.array([[0.0, -2.0, 0.3, 5.0], [1.5, 0.0, 0.0, -7.0], [0.0, 0.1, -0.7, 100.0], [0, 0, 0, 1]])
+
+
+def test_into_and_back_are_inverse():
+    points = np.random.default_rng(0).normal(size=(4, 7, 3))
+    linear = space.linear_part(MATRIX, "Cube")
+    assert_allclose(space.back(linear, space.into(linear, points)), points, atol=1e-14)
+
+
+def test_lengths_in_solve_space_are_those_of_the_scene():
+    linear = space.linear_part(MATRIX, "Cube")
+    a, b = np.random.default_rng(1).normal(size=(2, 3))
+    world = [MATRIX[:3, :3] @ p + MATRIX[:3, 3] for p in (a, b)]
+    assert np.linalg.norm(space.into(linear, a) - space.into(linear, b)) == pytest.approx(
+        np.linalg.norm(world[0] - world[1])
+    )
+
+
+@pytest.mark.parametrize("scale", [(1, 1, 0), (0, 0, 0), (1, 1e-9, 1)])
+def test_row_36_a_singular_scale_is_refused(scale):
+    with pytest.raises(Refused, match="'Cube' is zero along an axis"):
+        space.linear_part(np.diag([*scale, 1.0]), "Cube")
+
+
+def test_row_36_a_mirrored_scale_is_applied():
+    linear = space.linear_part(np.diag([-1.0, 2, 3, 1]), "Cube")
+    assert_allclose(space.into(linear, np.ones(3)), [-1, 2, 3])
+
+
+def test_a_handle_moves_its_points_as_it_does_in_the_scene():
+    rng = np.random.default_rng(2)
+    rest, posed = (np.vstack([rng.normal(size=(3, 4)), [0, 0, 0, 1]]) for _ in range(2))
+    point = rng.normal(size=3)
+    linear = space.linear_part(MATRIX, "Cube")
+    moved = (posed @ np.linalg.inv(rest) @ [*point, 1])[:3]  # in the coordinates of the object
+    (transform,) = space.handle_transforms(linear, rest[None], posed[None])
+    assert_allclose((transform @ [*space.into(linear, point), 1])[:3], space.into(linear, moved), atol=1e-12)

@@ -1,0 +1,262 @@
+"""In-between: Bake, and what the slider then plays."""
+
+import bpy
+import lissom
+import numpy as np
+import pytest
+import scene
+from bl_ext.user_default.lissom.bridge import meshes
+from bl_ext.user_default.lissom.core import hat
+from numpy.testing import assert_allclose, assert_array_equal
+
+COUNT = 4
+KNOTS = np.linspace(0, 1, COUNT + 2)
+
+
+def bend(rest, angle, radius=3.0):
+    """The tube bent about the y axis by ``angle`` over its length."""
+    x, y, z = rest.T
+    turn = angle * (z + 3) / 6
+    centre = 6 / angle
+    return np.stack([centre - (centre - x) * np.cos(turn), y, (centre - x) * np.sin(turn) - 3], axis=1)
+
+
+def keyed_tube():
+    """A tube with the keys half (bent by 0.8) and full (bent by 2.4)."""
+    obj = scene.tube()
+    rest = scene.points(obj.data.vertices)
+    assert len(rest) > 2000
+    scene.add_key(obj, "half", bend(rest, 0.8))
+    scene.add_key(obj, "full", bend(rest, 2.4))
+    return obj
+
+
+def native_path(obj, start, end, **options):
+    mesh = lissom.Mesh(scene.key_points(obj, "Basis"), meshes.triangles(obj.data))
+    return lissom.Inbetween(mesh, scene.key_points(obj, start), scene.key_points(obj, end), **options)
+
+
+def slide(obj, slider, value):
+    obj[slider] = value
+    obj.update_tag()
+    bpy.context.view_layer.update()
+
+
+def assert_plays(obj, slider, path, atol=1e-5):
+    """The slider shows the path at the knots, and straight lines between them."""
+    shapes = path.at(KNOTS)
+    for time in [*KNOTS, 0.05, 0.31, 0.77, 0.99]:
+        slide(obj, slider, time)
+        expected = np.tensordot(hat.weights(KNOTS, time)[0], shapes, axes=1)
+        assert_allclose(scene.shown(obj), expected, atol=atol)
+
+
+@pytest.mark.parametrize("rotation", ["consistent", "shortest"])
+def test_the_slider_plays_the_path_from_the_basis(rotation):
+    obj = keyed_tube()
+    path = native_path(obj, "Basis", "full", rotation=rotation)
+    assert bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=COUNT, rotation=rotation) == {
+        "FINISHED"
+    }
+    assert_plays(obj, "full arc", path)
+
+
+def test_the_slider_plays_the_path_from_another_key():
+    obj = keyed_tube()
+    path = native_path(obj, "half", "full")
+    bpy.ops.lissom.inbetween_bake(object="Tube", start="half", end="full", count=COUNT, slider="bend")
+    keys = obj.data.shape_keys.key_blocks
+    assert (keys["half"].value, keys["full"].value) == (1, 0)
+    assert_plays(obj, "bend", path)
+
+
+def test_row_33_a_relative_key_that_is_not_the_basis():
+    obj = keyed_tube()
+    keys = obj.data.shape_keys.key_blocks
+    keys["full"].relative_key = keys["half"]
+    keys["half"].value = keys["full"].value = 1
+    both = scene.shown(obj)
+    assert_allclose(both, scene.key_points(obj, "full"), atol=1e-5)
+    bpy.ops.lissom.inbetween_bake(object="Tube", start="half", end="full", count=COUNT)
+    assert all(key.relative_key == keys["half"] for key in keys if key.name.startswith("full arc"))
+    slide(obj, "full arc", 1.0)
+    assert_allclose(scene.shown(obj), both, atol=1e-5)
+
+
+def test_other_keys_add_to_the_arc_as_they_do_to_its_end():
+    obj = keyed_tube()
+    rest = scene.key_points(obj, "Basis")
+    scene.add_key(obj, "fat", rest * [1.5, 1.5, 1], value=0.5)
+    path = native_path(obj, "Basis", "full")
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=COUNT)
+    slide(obj, "full arc", KNOTS[2])
+    assert_allclose(scene.shown(obj) - path.at([KNOTS[2]])[0], 0.25 * rest * [1, 1, 0], atol=1e-5)
+
+
+@pytest.mark.parametrize("scale", [(1, 1, 1), (-0.5, 2, 1)])
+def test_row_36_the_path_is_that_of_the_scaled_mesh(scale):
+    obj = keyed_tube()
+    obj.scale = scale
+    bpy.context.view_layer.update()
+    world = [scene.key_points(obj, name) * scale for name in ("Basis", "full")]
+    path = lissom.Inbetween(lissom.Mesh(world[0], meshes.triangles(obj.data)), *world)
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=1)
+    slide(obj, "full arc", 0.5)
+    assert_allclose(scene.shown(obj) * scale, path.at([0.5])[0], atol=2e-5)
+
+
+def test_keys_and_slider_are_as_documented():
+    obj = keyed_tube()
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=3)
+    keys = obj.data.shape_keys.key_blocks
+    baked = ["full arc 25%", "full arc 50%", "full arc 75%", "full arc 100%"]
+    assert keys.keys() == ["Basis", "half", "full", *baked]
+    for name in baked:
+        key = keys[name]
+        assert (key.slider_min, key.slider_max, key.mute) == (0, 1, False)
+        assert key.relative_key == keys["Basis"]
+    assert_allclose(scene.key_points(obj, baked[-1]), scene.key_points(obj, "full"), atol=1e-6)
+    limits = obj.id_properties_ui("full arc").as_dict()
+    assert (obj["full arc"], limits["min"], limits["max"]) == (0.0, 0.0, 1.0)
+    for curve in obj.data.shape_keys.animation_data.drivers:
+        assert curve.driver.type == "SUM"  # no expression: plays where scripts may not run
+        assert not curve.modifiers
+        assert curve.is_valid and curve.driver.is_valid
+    assert [(arc.name, arc.start, arc.end) for arc in obj.lissom_inbetween.arcs] == [
+        ("full arc", "Basis", "full")
+    ]
+
+
+def test_the_slider_survives_saving(tmp_path):
+    obj = keyed_tube()
+    path = native_path(obj, "Basis", "full")
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=COUNT)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "arc.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "arc.blend"))
+    assert_plays(bpy.data.objects["Tube"], "full arc", path)
+
+
+def test_the_mask_of_the_end_key_holds_for_the_arc():
+    obj = keyed_tube()
+    scene.group(obj, "upper", lambda co: co.z > 0)
+    keys = obj.data.shape_keys.key_blocks
+    keys["full"].vertex_group = "upper"
+    keys["full"].value = 1
+    masked = scene.shown(obj)
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=2)
+    slide(obj, "full arc", 1.0)
+    assert_allclose(scene.shown(obj), masked, atol=1e-6)
+
+
+def test_row_32_baking_again_replaces_renames_or_skips():
+    obj = keyed_tube()
+    keys = obj.data.shape_keys.key_blocks
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=6)
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=1)
+    assert keys.keys() == ["Basis", "half", "full", "full arc 50%", "full arc 100%"]
+    assert len(obj.data.shape_keys.animation_data.drivers) == 2
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=1, exists="RENAME")
+    assert [arc.name for arc in obj.lissom_inbetween.arcs] == ["full arc", "full arc.001"]
+    with scene.refused("If Exists is Skip"):
+        bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=2, exists="SKIP")
+
+
+def test_removing_an_arc_leaves_nothing_of_it():
+    obj = keyed_tube()
+    before = scene.snapshot()
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full")
+    bpy.ops.lissom.inbetween_remove(object="Tube", slider="full arc")
+    assert scene.snapshot() == before
+    assert len(obj.data.shape_keys.animation_data.drivers) == 0
+    assert len(obj.lissom_inbetween.arcs) == 0
+
+
+# Bad input
+
+
+def test_row_3_a_key_that_is_not_finite():
+    obj = keyed_tube()
+    obj.data.shape_keys.key_blocks["full"].data[5].co.x = float("nan")
+    try:
+        bpy.ops.lissom.inbetween_bake(object="Tube", end="full")
+    except RuntimeError as error:
+        assert "not finite" in str(error)
+        assert "at 5" in str(error)
+    else:
+        raise AssertionError("not refused")
+    assert obj.data.shape_keys.key_blocks.keys() == ["Basis", "half", "full"]
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({}, "Choose the shape key that the arc leads to first"),
+        ({"end": "none"}, "no shape key named 'none'"),
+        ({"start": "none", "end": "full"}, "no shape key named 'none'"),
+        ({"start": "full", "end": "full"}, "are the same shape key"),
+        ({"end": "Basis"}, "are the same shape key"),
+        ({"end": "full", "slider": "mine"}, "'mine' is a custom property of another kind"),
+    ],
+)
+def test_settings_that_make_no_arc(settings, message):
+    obj = keyed_tube()
+    obj["mine"] = "precious"
+    with scene.refused(message):
+        bpy.ops.lissom.inbetween_bake(object="Tube", **settings)
+
+
+def test_a_mesh_without_keys():
+    scene.tube()
+    with scene.refused("no shape key named 'full'"):
+        bpy.ops.lissom.inbetween_bake(object="Tube", end="full")
+
+
+def test_an_arc_is_not_baked_from_its_own_keys():
+    keyed_tube()
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=1)
+    with scene.refused("must not be keys of slider 'full arc' itself"):
+        bpy.ops.lissom.inbetween_bake(object="Tube", end="full arc 100%", slider="full arc")
+
+
+def test_row_34_locked_baked_keys_and_edit_mode():
+    obj = keyed_tube()
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=1)
+    obj.data.shape_keys.key_blocks["full arc 50%"].lock_shape = True
+    with scene.refused("'full arc 50%' is locked"):
+        bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=1)
+    with scene.refused("'full arc 50%' is locked"):
+        bpy.ops.lissom.inbetween_remove(object="Tube", slider="full arc")
+    bpy.ops.object.mode_set(mode="EDIT")
+    with scene.refused("go to Object Mode first"):
+        bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=1)
+
+
+def test_row_35_mesh_data_with_several_users(capfd):
+    obj = keyed_tube()
+    bpy.context.collection.objects.link(bpy.data.objects.new("Twin", obj.data))
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=1)
+    assert "Warning: The mesh of 'Tube' is used by 2 objects" in capfd.readouterr().out
+
+
+def test_row_36_a_scale_of_zero():
+    obj = keyed_tube()
+    obj.scale.z = 0
+    bpy.context.view_layer.update()
+    with scene.refused("'Tube' is zero along an axis"):
+        bpy.ops.lissom.inbetween_bake(object="Tube", end="full")
+
+
+def test_row_37_identical_ends_give_an_arc_that_stands_still():
+    obj = keyed_tube()
+    rest = scene.key_points(obj, "Basis")
+    scene.add_key(obj, "same", rest)
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="same", count=2)
+    slide(obj, "same arc", 0.4)
+    assert_array_equal(scene.shown(obj), rest)
+
+
+def test_a_driven_start_key_is_left_alone_and_said(capfd):
+    obj = keyed_tube()
+    obj.data.shape_keys.key_blocks["half"].driver_add("value")
+    bpy.ops.lissom.inbetween_bake(object="Tube", start="half", end="full", count=1)
+    assert "Warning: Shape key 'half' is driven or locked: set it to 1 yourself" in capfd.readouterr().out

@@ -1,0 +1,203 @@
+"""The panels are drawn onto a layout that checks every call against this Blender's own UILayout."""
+
+import types
+
+import bpy
+import pytest
+import scene
+from bl_ext.user_default.lissom import session
+from bl_ext.user_default.lissom.core.work import Pause, Work
+
+FUNCTIONS = bpy.types.UILayout.bl_rna.functions
+ICONS = {item.identifier for item in FUNCTIONS["label"].parameters["icon"].enum_items}
+LAYOUTS = {"row", "column", "box", "split"}
+
+
+class Operator:
+    """The properties that a panel sets on a button."""
+
+    def __init__(self, idname, drawn):
+        module, name = idname.split(".")
+        self.__dict__["kind"] = getattr(getattr(bpy.ops, module), name).get_rna_type()
+        self.__dict__["set"] = drawn.setdefault(idname, [])
+        self.set.append({})
+
+    def __setattr__(self, name, value):
+        assert name in self.kind.properties, f"{self.kind.identifier} has no {name}"
+        self.set[-1][name] = value
+
+
+class Layout:
+    """Takes what UILayout takes, and remembers labels and buttons."""
+
+    def __init__(self, drawn):
+        self._drawn = drawn
+
+    def context_pointer_set(self, name, data):
+        self._drawn["pointers"][name] = data
+
+    def __getattr__(self, name):
+        function = FUNCTIONS[name]
+        parameters = [p.identifier for p in function.parameters if not p.is_output]
+
+        def call(*positional, **named):
+            assert len(positional) <= len(parameters), name
+            given = dict(zip(parameters, positional, strict=False)) | named
+            required = {p.identifier for p in function.parameters if p.is_required and not p.is_output}
+            assert set(given) <= set(parameters), f"{name} takes no {set(given) - set(parameters)}"
+            assert required <= set(given), f"{name} needs {required - set(given)}"
+            assert given.get("icon", "NONE") in ICONS, given["icon"]
+            return self._answer(name, given)
+
+        return call
+
+    def _answer(self, name, given):
+        if name in LAYOUTS:
+            return Layout(self._drawn)
+        if name == "operator":
+            return Operator(given["operator"], self._drawn["operators"])
+        if name in ("prop", "prop_search") and not given["property"].startswith("["):
+            assert given["property"] in given["data"].bl_rna.properties, given["property"]
+        if name == "prop_search":
+            assert given["search_property"] in given["search_data"].bl_rna.properties
+        if name in ("menu", "template_list"):
+            self._drawn["classes"].append(given.get("menu") or given["listtype_name"])
+        if given.get("text"):
+            self._drawn["labels"].append(given["text"])
+        return None
+
+
+def draw(cls, *arguments):
+    """Draws a panel, a menu or a list's row; returns what was drawn."""
+    drawn = {"labels": [], "operators": {}, "classes": [], "pointers": {}}
+    layout = Layout(drawn)
+    members = {name: member for name, member in vars(cls).items() if isinstance(member, types.FunctionType)}
+    stub = type("Stub", (), members)()
+    stub.layout = layout
+    if arguments:
+        stub.draw_item(bpy.context, layout, *arguments)
+    else:
+        stub.draw(bpy.context)
+    for name in drawn["classes"]:
+        assert hasattr(bpy.types, name), name
+    return drawn
+
+
+@pytest.fixture
+def panels():
+    return {name: getattr(bpy.types, f"LISSOM_PT_{name}") for name in ("pose", "transfer", "inbetween")}
+
+
+def text(drawn):
+    return " ".join(drawn["labels"])
+
+
+def test_an_empty_scene_says_what_to_do(panels):
+    assert "Select a mesh object" in text(draw(panels["pose"]))
+    assert "Select a mesh object" in text(draw(panels["inbetween"]))
+    assert "lissom.transfer_fit" in draw(panels["transfer"])["operators"]
+
+
+def test_pose_before_and_after_bind(panels):
+    obj = scene.bound_tube()
+    bound = draw(panels["pose"])
+    assert bound["pointers"]["lissom_object"] == obj
+    assert bound["operators"]["lissom.pose_apply"] == [{"object": "Tube", "name": "Pose"}]
+    assert "lissom.pose_bind" not in bound["operators"]
+    bpy.ops.lissom.pose_unbind(object="Tube")
+    free = draw(panels["pose"])
+    assert free["operators"]["lissom.pose_bind"] == [{"object": "Tube", "method": "arap"}]
+    assert "lissom.pose_apply" not in free["operators"]
+
+
+def test_pose_of_an_active_handle_is_that_of_its_mesh(panels):
+    obj = scene.bound_tube()
+    bpy.ops.lissom.pose_handle_select(object="Tube", handle="top")
+    assert draw(panels["pose"])["pointers"]["lissom_object"] == obj
+
+
+def test_rows_of_handles_tell_what_is_lost():
+    obj = scene.bound_tube()
+    bpy.ops.lissom.pose_handle_select(object="Tube", handle="top")
+    bpy.ops.object.delete()
+    obj.vertex_groups["bottom"].name = "feet"
+    handles = obj.lissom_pose.handles
+    rows = [draw(bpy.types.LISSOM_UL_handles, None, item, 0, None, "") for item in handles]
+    assert [text(row) for row in rows] == ["bottom (no such group)", "top (Empty deleted)"]
+
+
+def test_the_menu_offers_groups_that_are_no_handles_yet():
+    obj = scene.bound_tube()
+    scene.group(obj, "middle", lambda co: abs(co.z) < 0.5)
+    offered = draw(bpy.types.LISSOM_MT_handle_add)["operators"]["lissom.pose_handle_add"]
+    assert offered == [{"object": "Tube"}, {"object": "Tube", "vertex_group": "middle"}]
+
+
+def test_a_reason_against_writing_is_shown(panels):
+    obj = scene.tube()
+    scene.add_key(obj, "K", scene.points(obj.data.vertices))
+    obj.data.shape_keys.use_relative = False
+    for name in ("pose", "inbetween"):
+        assert "turn on Relative" in text(draw(panels[name]))
+
+
+def test_transfer_passes_its_settings_on(panels):
+    source, target = scene.tube(name="Source"), scene.tube(name="Target")
+    scene.add_key(source, "K", scene.points(source.data.vertices))
+    settings = bpy.context.scene.lissom_transfer
+    settings.source, settings.target = source, target
+    assert "press +" in text(draw(panels["transfer"]))
+    for vertex in range(3):
+        bpy.ops.lissom.marker_add(source_vertex=vertex, target_vertex=vertex)
+    settings.which, settings.exists = "SELECTED", "SKIP"
+    bpy.ops.lissom.transfer_choose(action="ALL")
+    drawn = draw(panels["transfer"])
+    (given,) = drawn["operators"]["lissom.transfer_keys"]
+    assert (given["keys"], given["exists"]) == ("K", "SKIP")
+    assert "press +" not in text(drawn)
+    assert "LISSOM_UL_keys" in drawn["classes"]
+    bpy.ops.lissom.transfer_fit()
+    assert "Fit: " in text(draw(panels["transfer"]))
+    bpy.ops.lissom.marker_add(source_vertex=99, target_vertex=99)
+    assert "changed since the last fit" in text(draw(panels["transfer"]))
+
+
+def test_rows_of_markers_and_keys():
+    source = scene.tube(name="Source")
+    key = scene.add_key(source, "K", scene.points(source.data.vertices))
+    settings = bpy.context.scene.lissom_transfer
+    settings.markers.add().name = "nose"
+    row = draw(bpy.types.LISSOM_UL_markers, settings, settings.markers[0], 0, settings, "active_marker", 0)
+    assert row["operators"]["lissom.marker_show"] == [{"index": 0}]
+    row = draw(bpy.types.LISSOM_UL_keys, source.data.shape_keys, key, 0, source, "active_shape_key_index")
+    assert row["operators"]["lissom.transfer_choose"] == [{"action": "TOGGLE", "key": "K"}]
+    assert "lissom.marker_load" in draw(bpy.types.LISSOM_MT_markers)["operators"]
+
+
+def test_inbetween_passes_its_settings_on_and_shows_sliders(panels):
+    obj = scene.tube()
+    assert "no shape keys yet" in text(draw(panels["inbetween"]))
+    scene.add_key(obj, "K", scene.points(obj.data.vertices) * [1, 1, 2])
+    obj.lissom_inbetween.end = "K"
+    (given,) = draw(panels["inbetween"])["operators"]["lissom.inbetween_bake"]
+    assert given == {
+        "object": "Tube", "start": "", "end": "K", "count": 5, "rotation": "consistent", "slider": "",
+    }  # fmt: skip
+    bpy.ops.lissom.inbetween_bake(**given)
+    drawn = draw(panels["inbetween"])
+    assert "K arc" in drawn["labels"]
+    assert drawn["operators"]["lissom.inbetween_remove"] == [{"object": "Tube", "slider": "K arc"}]
+
+
+def test_work_is_shown_in_its_own_panel_only(panels, monkeypatch):
+    scene.bound_tube()
+
+    def steps():
+        yield Pause(0.5, "halfway")
+
+    monkeypatch.setattr(session, "work", Work(steps()))
+    monkeypatch.setattr(session, "work_of", "LISSOM_OT_transfer_keys")
+    assert "halfway (ESC cancels)" in text(draw(panels["transfer"]))
+    assert "halfway" not in text(draw(panels["pose"]))
+    with scene.refused("Lissom is at work"):
+        bpy.ops.lissom.pose_unbind(object="Tube")

@@ -1,0 +1,458 @@
+"""Pose: handles, Bind, live update, Apply, Unbind."""
+
+import bmesh
+import bpy
+import lissom
+import numpy as np
+import pytest
+import scene
+from bl_ext.user_default.lissom import live, session
+from bl_ext.user_default.lissom.bridge import meshes, poses
+from mathutils import Euler, Matrix
+from numpy.testing import assert_allclose, assert_array_equal
+
+TURN = Matrix.Translation((0.7, -1.2, 0.4)) @ Euler((0.5, -1.1, 2.0)).to_matrix().to_4x4()
+PREVIEW = "Lissom Pose"
+SINGLE = 2e-6  # of the diagonal: Blender keeps positions and matrices in single precision
+
+
+def moved(matrix, positions):
+    matrix = np.array(matrix)
+    return positions @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def move_all(obj, motion):
+    for handle in obj.lissom_pose.handles:
+        handle.empty.matrix_world = motion @ handle.empty.matrix_world
+    bpy.context.view_layer.update()
+
+
+def test_empties_stand_at_the_centres_of_their_groups():
+    obj = scene.tube()
+    obj.location = (5, 0, 0)
+    obj.scale = (1, 2, 3)
+    bpy.context.view_layer.update()
+    members = scene.group(obj, "top", lambda co: co.z > 2.5)
+    bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="top")
+    bpy.context.view_layer.update()
+    centre = scene.points(obj.data.vertices)[members].mean(axis=0)
+    assert_allclose(
+        scene.empty(obj, "top").matrix_world.translation, moved(obj.matrix_world, centre), atol=1e-5
+    )
+    assert_allclose(scene.empty(obj, "top").matrix_world.to_scale(), 1, atol=1e-6)
+
+
+def test_a_rigid_motion_of_all_handles_is_reproduced():
+    obj = scene.bound_tube()
+    rest = scene.key_points(obj, "Basis")
+    assert len(rest) > 2000
+    move_all(obj, TURN)
+    diagonal = np.linalg.norm(np.ptp(rest, axis=0))
+    assert_allclose(scene.shown(obj), moved(TURN, rest), atol=SINGLE * diagonal)
+
+
+@pytest.mark.parametrize("scale", [(0.5, 2.0, 1.0), (-1.0, 1.0, 1.0), (-2.0, 0.3, 1.0)])
+def test_row_36_a_rigid_motion_is_one_in_the_scene_whatever_the_scale(scale):
+    obj = scene.tube()
+    obj.matrix_world = Matrix.LocRotScale((3, 4, 5), Euler((0.3, 0.2, 0.1)), scale)
+    for name, side in (("bottom", -1), ("top", 1)):
+        scene.group(obj, name, lambda co, side=side: side * co.z > 2.5)
+        bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group=name)
+    bpy.ops.lissom.pose_bind(object=obj.name)
+    world = moved(obj.matrix_world, scene.key_points(obj, "Basis"))
+    move_all(obj, TURN)
+    diagonal = np.linalg.norm(np.ptp(world, axis=0))
+    assert_allclose(moved(obj.matrix_world, scene.shown(obj)), moved(TURN, world), atol=5 * SINGLE * diagonal)
+
+
+def test_the_pose_is_what_the_native_module_solves():
+    obj = scene.bound_tube()
+    bend = Matrix.Translation((0.5, 0, 0.2)) @ Euler((0, 0.5, 0.3)).to_matrix().to_4x4()
+    scene.empty(obj, "top").matrix_world = bend @ scene.empty(obj, "top").matrix_world
+    bpy.context.view_layer.update()
+    rest = scene.key_points(obj, "Basis")
+    mesh = lissom.Mesh(rest, meshes.triangles(obj.data))
+    handles = [np.flatnonzero(rest[:, 2] < -2.5), np.flatnonzero(rest[:, 2] > 2.5)]
+    transforms = poses.transforms(obj)  # not bend itself: a flat minimum answers to rounding
+    assert_allclose(transforms, [np.eye(4), np.array(bend)], atol=1e-6)
+    expected = lissom.Pose(mesh, handles).solve(transforms)
+    assert expected.report["converged"]
+    assert_allclose(scene.shown(obj), expected.vertices, atol=1e-5)
+    assert_allclose(scene.shown(obj)[handles[0]], rest[handles[0]], atol=1e-6)
+    assert_allclose(scene.shown(obj)[handles[1]], moved(bend, rest[handles[1]]), atol=1e-5)
+
+
+def test_moving_the_object_does_not_pose_it():
+    obj = scene.bound_tube()
+    obj.matrix_world = TURN
+    bpy.context.view_layer.update()
+    assert_allclose(scene.shown(obj), scene.key_points(obj, "Basis"), atol=1e-5)
+
+
+def test_only_the_region_moves():
+    obj = scene.tube()
+    scene.group(obj, "region", lambda co: co.z > 0)
+    scene.group(obj, "top", lambda co: co.z > 2.5)
+    bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="top")
+    obj.lissom_pose.roi = "region"
+    bpy.ops.lissom.pose_bind(object=obj.name)
+    scene.empty(obj, "top").location.x += 1
+    bpy.context.view_layer.update()
+    rest, now = scene.key_points(obj, "Basis"), scene.shown(obj)
+    assert_array_equal(now[rest[:, 2] <= 0], rest[rest[:, 2] <= 0])
+    assert_allclose((now - rest)[rest[:, 2] > 2.5], [[1, 0, 0]] * 200, atol=1e-5)
+
+
+def test_live_off_waits_for_update():
+    obj = scene.bound_tube()
+    obj.lissom_pose.live = False
+    scene.empty(obj, "top").location.x += 1
+    bpy.context.view_layer.update()
+    assert_array_equal(scene.key_points(obj, PREVIEW), scene.key_points(obj, "Basis"))
+    assert bpy.ops.lissom.pose_update(object=obj.name) == {"FINISHED"}
+    assert scene.shown(obj)[-1, 0] == pytest.approx(scene.key_points(obj, "Basis")[-1, 0] + 1, abs=1e-5)
+
+
+def test_an_animated_empty_poses_every_frame():
+    obj = scene.bound_tube()
+    top = scene.empty(obj, "top")
+    top.keyframe_insert("location", frame=1)
+    top.location.z += 2
+    top.keyframe_insert("location", frame=11)
+    for frame, rise in ((11, 2.0), (1, 0.0), (11, 2.0)):
+        bpy.context.scene.frame_set(frame)
+        bpy.context.view_layer.update()
+        assert scene.shown(obj)[-1, 2] == pytest.approx(3 + rise, abs=1e-5)
+
+
+def test_an_update_solves_once_and_none_where_nothing_moved(monkeypatch):
+    obj = scene.bound_tube()
+    solved = []
+    bound = session.poses[obj.session_uid]
+    monkeypatch.setattr(bound, "solve", lambda *a, **k: solved.append(1) or type(bound).solve(bound, *a, **k))
+    scene.empty(obj, "top").location.x += 1
+    for _ in range(3):
+        bpy.context.view_layer.update()
+    obj.location.x += 1
+    bpy.context.view_layer.update()
+    assert len(solved) == 1
+
+
+def test_a_solve_within_a_budget_goes_on_until_it_has_converged():
+    obj = scene.bound_tube()
+    obj.lissom_pose.live = False
+    scene.empty(obj, "top").location.x += 1
+    bpy.context.view_layer.update()
+    obj.lissom_pose.live = True
+    rounds = 1
+    while live.update(obj, 1e-9):  # a few iterations at a time
+        rounds += 1
+        assert rounds < 500
+    assert rounds > 3
+    stepwise = scene.key_points(obj, PREVIEW)
+    bpy.ops.lissom.pose_update(object=obj.name)
+    assert_allclose(scene.key_points(obj, PREVIEW), stepwise, atol=5e-3)
+    bound = session.poses[obj.session_uid]
+    assert bound.iterations_within(1e-9) == 4
+    assert bound.iterations_within(10.0) > 10
+
+
+def test_apply_keeps_what_is_seen_as_a_key_and_puts_the_handles_back():
+    obj = scene.bound_tube()
+    place = scene.empty(obj, "top").matrix_world.copy()
+    move_all(obj, TURN)
+    seen = scene.shown(obj)
+    assert bpy.ops.lissom.pose_apply(object=obj.name, name="Turned") == {"FINISHED"}
+    key = obj.data.shape_keys.key_blocks["Turned"]
+    assert (key.value, key.slider_min, key.slider_max, key.mute) == (1, 0, 1, False)
+    assert_allclose(scene.points(key.data), seen, atol=1e-5)
+    bpy.context.view_layer.update()
+    assert_allclose(scene.shown(obj), seen, atol=1e-5)
+    assert_allclose(scene.empty(obj, "top").matrix_world, place, atol=1e-6)
+    assert_array_equal(scene.key_points(obj, PREVIEW), scene.key_points(obj, "Basis"))
+
+
+@pytest.mark.parametrize(
+    ("exists", "names"), [("UPDATE", ["Basis", PREVIEW, "K"]), ("RENAME", ["Basis", PREVIEW, "K", "K.001"])]
+)
+def test_row_32_a_key_of_that_name_exists(exists, names):
+    obj = scene.bound_tube()
+    bpy.ops.lissom.pose_apply(object=obj.name, name="K")
+    scene.empty(obj, "top").location.x += 1
+    bpy.ops.lissom.pose_apply(object=obj.name, name="K", exists=exists, reset=False)
+    assert obj.data.shape_keys.key_blocks.keys() == names
+    assert scene.key_points(obj, names[-1])[-1, 0] == pytest.approx(1 + np.cos(2 * np.pi * 39 / 40), abs=1e-2)
+
+
+def test_row_32_skip_refuses_to_overwrite():
+    obj = scene.bound_tube()
+    bpy.ops.lissom.pose_apply(object=obj.name, name="K")
+    with scene.refused("If Exists is Skip"):
+        bpy.ops.lissom.pose_apply(object=obj.name, name="K", exists="SKIP")
+    with scene.refused("builds on"):
+        bpy.ops.lissom.pose_apply(object=obj.name, name=PREVIEW, exists="UPDATE")
+
+
+def test_reset_and_unbind_leave_the_mesh_as_it_was():
+    obj = scene.bound_tube()
+    rest = scene.points(obj.data.vertices)
+    places = [handle.empty.matrix_world.copy() for handle in obj.lissom_pose.handles]
+    move_all(obj, TURN)
+    bpy.ops.lissom.pose_reset(object=obj.name)
+    assert_array_equal(scene.shown(obj), rest)
+    move_all(obj, TURN)
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    bpy.context.view_layer.update()
+    assert obj.data.shape_keys is None
+    assert_array_equal(scene.points(obj.data.vertices), rest)
+    for handle, place in zip(obj.lissom_pose.handles, places, strict=True):
+        assert_allclose(handle.empty.matrix_world, place, atol=1e-6)
+    bpy.ops.lissom.pose_bind(object=obj.name)
+
+
+def test_unbind_keeps_applied_poses_and_other_keys():
+    obj = scene.tube()
+    scene.add_key(obj, "Other", scene.points(obj.data.vertices))
+    scene.group(obj, "top", lambda co: co.z > 2.5)
+    bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="top")
+    bpy.ops.lissom.pose_bind(object=obj.name)
+    bpy.ops.lissom.pose_apply(object=obj.name, name="Mine")
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    assert obj.data.shape_keys.key_blocks.keys() == ["Basis", "Other", "Mine"]
+
+
+def test_saved_and_opened_again_the_handles_still_pose(tmp_path):
+    obj = scene.bound_tube()
+    move_all(obj, TURN)
+    before = scene.shown(obj)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "bound.blend"))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    assert not session.poses
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "bound.blend"))
+    obj = bpy.data.objects["Tube"]
+    assert_allclose(scene.shown(obj), before, atol=1e-6)
+    move_all(obj, TURN.inverted())
+    assert_allclose(scene.shown(obj), scene.key_points(obj, "Basis"), atol=2e-5)
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+
+
+def test_after_undo_the_next_move_solves_from_the_handles_of_then():
+    """Undo itself needs a window (tests/blender/window.py); here its handler runs on what undo leaves."""
+    obj = scene.bound_tube()
+    move_all(obj, TURN)
+    key = obj.data.shape_keys.key_blocks[PREVIEW]
+    key.data.foreach_set("co", scene.key_points(obj, "Basis").ravel())  # a mesh of the past
+    live._on_history()
+    obj.location.x += 1  # any update, with no handle moved
+    bpy.context.view_layer.update()
+    assert_allclose(scene.key_points(obj, PREVIEW), moved(TURN, scene.key_points(obj, "Basis")), atol=2e-5)
+
+
+def test_a_rest_shape_that_was_edited_is_bound_anew():
+    obj = scene.bound_tube()
+    basis = obj.data.shape_keys.reference_key
+    rest = scene.points(basis.data) * [2, 1, 1]
+    basis.data.foreach_set("co", rest.ravel())
+    move_all(obj, TURN)
+    assert_allclose(scene.key_points(obj, PREVIEW), moved(TURN, rest), atol=5e-5)
+
+
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_a_handle_is_made_of_the_selected_vertices(mode):
+    obj = scene.tube()
+    scene.select(obj, [vertex.index for vertex in obj.data.vertices if vertex.co.z > 2.5], mode)
+    bpy.ops.lissom.pose_handle_add(object=obj.name)
+    bpy.ops.lissom.pose_region_from_selection(object=obj.name, name="R")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert [handle.name for handle in obj.lissom_pose.handles] == ["Handle"]
+    assert obj.lissom_pose.roi == "R"
+    assert_allclose(scene.empty(obj, "Handle").matrix_basis.translation, [0, 0, 2.8], atol=1e-5)
+    bpy.ops.lissom.pose_bind(object=obj.name)
+
+
+def test_an_active_handle_stands_for_its_mesh():
+    obj = scene.bound_tube()
+    bpy.ops.lissom.pose_handle_select(object=obj.name, handle="top")
+    assert bpy.context.object == scene.empty(obj, "top")
+    bpy.ops.lissom.pose_apply(name="K")
+    assert "K" in obj.data.shape_keys.key_blocks
+
+
+def test_a_handle_goes_with_its_empty():
+    obj = scene.bound_tube()
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    name = scene.empty(obj, "top").name
+    bpy.ops.lissom.pose_handle_remove(object=obj.name, handle="top")
+    assert name not in bpy.data.objects
+    assert [handle.name for handle in obj.lissom_pose.handles] == ["bottom"]
+    assert "top" in obj.vertex_groups
+
+
+# Bad input
+
+
+def test_row_1_a_mesh_without_faces():
+    mesh = bpy.data.meshes.new("Edges")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 3)], [(0, 1)], [])
+    obj = bpy.data.objects.new("Edges", mesh)
+    bpy.context.collection.objects.link(obj)
+    scene.group(obj, "top", lambda co: co.z > 2.5)
+    bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="top")
+    with scene.refused("face"):
+        bpy.ops.lissom.pose_bind(object=obj.name)
+
+
+def test_row_2_a_vertex_that_is_not_finite():
+    obj = scene.tube()
+    scene.group(obj, "top", lambda co: co.z > 2.5)
+    bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="top")
+    obj.data.vertices[7].co.x = float("nan")
+    with scene.refused("not finite (at 7; 1 in all)"):
+        bpy.ops.lissom.pose_bind(object=obj.name)
+
+
+def test_row_19_no_handle_and_an_empty_group():
+    obj = scene.tube()
+    with scene.refused("There is no handle"):
+        bpy.ops.lissom.pose_bind(object=obj.name)
+    obj.vertex_groups.new(name="none")
+    with scene.refused("'none' holds no vertices"):
+        bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="none")
+
+
+def test_row_23_handles_that_share_vertices_are_named():
+    obj = scene.bound_tube()
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    obj.vertex_groups["top"].add([17], 1.0, "REPLACE")
+    with scene.refused("'bottom' and 'top' share vertices 17"):
+        bpy.ops.lissom.pose_bind(object=obj.name)
+
+
+def test_row_25_a_vertex_group_that_was_renamed_is_named():
+    obj = scene.bound_tube()
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    obj.vertex_groups["top"].name = "head"
+    with scene.refused("Vertex group 'top' is missing"):
+        bpy.ops.lissom.pose_bind(object=obj.name)
+    with scene.refused("no vertex group named 'tail'"):
+        bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="tail")
+
+
+def test_row_26_faces_changed_since_bind_with_equal_counts():
+    obj = scene.bound_tube()
+    edit = bmesh.new()
+    edit.from_mesh(obj.data)
+    edit.faces.ensure_lookup_table()
+    bmesh.ops.reverse_faces(edit, faces=edit.faces[:1])
+    edit.to_mesh(obj.data)
+    edit.free()
+    scene.empty(obj, "top").location.x += 1
+    bpy.context.view_layer.update()
+    assert "remodelled since Bind" in session.status[obj.name][1]
+    for operator in (bpy.ops.lissom.pose_update, bpy.ops.lissom.pose_apply, bpy.ops.lissom.pose_reset):
+        with scene.refused("was remodelled since Bind: press Unbind, then Bind"):
+            operator(object=obj.name)
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    bpy.ops.lissom.pose_bind(object=obj.name)
+
+
+def test_row_34_edit_mode_absolute_keys_and_locked_keys():
+    obj = scene.bound_tube()
+    bpy.ops.lissom.pose_apply(object=obj.name, name="K")
+    obj.data.shape_keys.key_blocks["K"].lock_shape = True
+    with scene.refused("Shape key 'K' is locked"):
+        bpy.ops.lissom.pose_apply(object=obj.name, name="K", exists="UPDATE")
+    bpy.ops.object.mode_set(mode="EDIT")
+    with scene.refused("is in edit mode: go to Object Mode first"):
+        bpy.ops.lissom.pose_apply(object=obj.name, name="K")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    obj.data.shape_keys.use_relative = False
+    with scene.refused("turn on Relative"):
+        bpy.ops.lissom.pose_update(object=obj.name)
+
+
+@pytest.mark.parametrize("override", [False, True])
+def test_row_34_linked_and_overridden_data(tmp_path, override):
+    obj = scene.tube()
+    scene.group(obj, "top", lambda co: co.z > 2.5)
+    path = str(tmp_path / "library.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(path, link=True) as (_, into):
+        into.objects = ["Tube"]
+    obj = into.objects[0]
+    if override:
+        obj = obj.override_create()
+    bpy.context.collection.objects.link(obj)
+    with scene.refused("is a library override" if override else "is linked from another file"):
+        bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="top")
+    with bpy.context.temp_override(lissom_object=obj):  # as from the panel, whose button poll() disables
+        with scene.refused("poll() Object 'Tube' is"):
+            bpy.ops.lissom.pose_handle_add(vertex_group="top")
+        with scene.refused("poll() Add a handle first"):
+            bpy.ops.lissom.pose_bind()
+
+
+def test_row_35_mesh_data_with_several_users_is_said(capfd):
+    obj = scene.tube()
+    scene.group(obj, "top", lambda co: co.z > 2.5)
+    for _ in range(2):
+        bpy.context.collection.objects.link(bpy.data.objects.new("Twin", obj.data))
+    bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="top")
+    assert bpy.ops.lissom.pose_bind(object=obj.name) == {"FINISHED"}
+    assert "Warning: The mesh of 'Tube' is used by 3 objects" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize("scale", [(1, 1, 0), (0, 0, 0)])
+def test_row_36_a_scale_of_zero(scale):
+    obj = scene.tube()
+    scene.group(obj, "top", lambda co: co.z > 2.5)
+    bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="top")
+    obj.scale = scale
+    bpy.context.view_layer.update()
+    with scene.refused("'Tube' is zero along an axis"):
+        bpy.ops.lissom.pose_bind(object=obj.name)
+
+
+def test_a_deleted_empty_is_named():
+    obj = scene.bound_tube()
+    bpy.ops.lissom.pose_handle_select(object=obj.name, handle="top")
+    bpy.ops.object.delete()
+    with scene.refused("Empty of handle 'top' was deleted"):
+        bpy.ops.lissom.pose_apply(object=obj.name)
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    with scene.refused("Empty of handle 'top' was deleted"):
+        bpy.ops.lissom.pose_bind(object=obj.name)
+    bpy.ops.lissom.pose_handle_remove(object=obj.name, handle="top")
+    bpy.ops.lissom.pose_bind(object=obj.name)
+
+
+def test_a_deleted_mesh_object_does_no_harm_to_its_empties():
+    obj = scene.bound_tube()
+    top = scene.empty(obj, "top")
+    bpy.data.objects.remove(obj)
+    top.location.x += 1
+    bpy.context.view_layer.update()
+
+
+def test_wrong_objects_are_refused():
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    bpy.context.collection.objects.link(camera)
+    with scene.refused("no object named 'Nobody'"):
+        bpy.ops.lissom.pose_bind(object="Nobody")
+    with scene.refused("'Camera' is no mesh"):
+        bpy.ops.lissom.pose_bind(object="Camera")
+    with scene.refused("Select a mesh object first"):
+        bpy.ops.lissom.pose_bind()
+
+
+def test_binding_twice_and_changing_bound_handles_is_refused():
+    obj = scene.bound_tube()
+    with scene.refused("is bound already"):
+        bpy.ops.lissom.pose_bind(object=obj.name)
+    with scene.refused("is bound: press Unbind first"):
+        bpy.ops.lissom.pose_handle_remove(object=obj.name, handle="top")
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    for operator in (bpy.ops.lissom.pose_unbind, bpy.ops.lissom.pose_apply, bpy.ops.lissom.pose_reset):
+        with scene.refused("is not bound"):
+            operator(object=obj.name)

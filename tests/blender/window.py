@@ -1,0 +1,204 @@
+"""What only a window can show: undo, the timer of live update, modal jobs. Run with the extension installed:
+
+    blender --command extension install-file -r user_default -e dist/lissom-<version>-<platform>.zip
+    blender --python-exit-code 1 --python tests/blender/window.py
+
+Prints one line per check and closes Blender; a failed check leaves the exit code 1.
+"""
+
+import os
+import pathlib
+import sys
+import time
+import traceback
+
+import addon_utils
+import bpy
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import scene
+
+PREVIEW = "Lissom Pose"
+
+
+def window():
+    """Timers have no window of their own; undo and modal operators want one."""
+    return bpy.context.temp_override(window=bpy.context.window_manager.windows[0])
+
+
+def until(condition, seconds=20.0):
+    """Yields, so that Blender goes on, until the condition holds."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, f"waited {seconds} s in vain"
+        yield
+    return True
+
+
+def new_file():
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+
+
+def push(message):
+    with window():
+        bpy.ops.ed.undo_push(message=message)
+
+
+def top_height(obj):
+    return scene.key_points(obj, PREVIEW)[-1, 2]
+
+
+def move_top(obj, height):
+    scene.empty(obj, "top").location.z = height
+
+
+def check_live_update_follows_and_undo_and_redo_keep_up():
+    new_file()
+    obj = scene.bound_tube()
+    rest = scene.empty(obj, "top").location.z
+    push("bound")
+    move_top(obj, rest + 1)
+    yield from until(lambda: abs(top_height(obj) - 4) < 1e-4)
+    push("up 1")
+    move_top(obj, rest + 2)
+    yield from until(lambda: abs(top_height(obj) - 5) < 1e-4)
+    push("up 2")
+    for action, height in (("undo", 4), ("undo", 3), ("redo", 4), ("redo", 5), ("undo", 4)):
+        with window():
+            getattr(bpy.ops.ed, action)()
+        obj = bpy.data.objects["Tube"]
+        yield from until(lambda obj=obj, height=height: abs(top_height(obj) - height) < 1e-4)
+    move_top(obj, rest + 3)
+    yield from until(lambda: abs(top_height(obj) - 6) < 1e-4)
+
+
+def check_operators_are_undone_in_one_step():
+    new_file()
+    obj = scene.bound_tube()
+    move_top(obj, scene.empty(obj, "top").location.z + 1)
+    yield from until(lambda: abs(top_height(obj) - 4) < 1e-4)
+    push("posed")
+    with window():
+        bpy.ops.lissom.pose_apply("EXEC_DEFAULT", True, object="Tube", name="K")
+        assert "K" in obj.data.shape_keys.key_blocks
+        bpy.ops.ed.undo()
+    assert "K" not in bpy.data.objects["Tube"].data.shape_keys.key_blocks
+    yield
+
+
+def start_long_job():
+    """Leaves a modal operator running on a mesh that takes seconds."""
+    new_file()
+    obj = scene.tube(rings=200, around=150)
+    for name, side in (("bottom", -1), ("top", 1)):
+        scene.group(obj, name, lambda co, side=side: side * co.z > 2.5)
+        bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group=name)
+    bpy.ops.lissom.pose_bind(object=obj.name)
+    obj.lissom_pose.live = False
+    scene.empty(obj, "top").rotation_euler = (1.0, 0.5, 0.0)
+    scene.empty(obj, "top").location.x += 1.5
+    bpy.context.view_layer.update()
+    push("before the job")
+    with window():
+        assert bpy.ops.lissom.pose_update("INVOKE_DEFAULT", object=obj.name) == {"RUNNING_MODAL"}
+    assert session.work is not None
+    return obj
+
+
+def at_rest(obj):
+    return np.array_equal(scene.key_points(obj, PREVIEW), scene.key_points(obj, "Basis"))
+
+
+def check_a_modal_job_runs_to_its_end_beside_blender():
+    obj = start_long_job()
+    ticks = 0
+    while session.work is not None:
+        ticks += 1
+        yield
+    assert ticks > 3, "the window stood still"
+    assert not at_rest(obj)
+
+
+def check_row_34_no_second_job_starts_meanwhile():
+    start_long_job()
+    with window():
+        try:
+            bpy.ops.lissom.pose_update("INVOKE_DEFAULT", object="Tube")
+        except RuntimeError as error:
+            assert "is at work" in str(error), error
+        else:
+            raise AssertionError("started")
+    session.work.cancel()
+    yield from until(lambda: session.work is None, 2.0)
+
+
+def check_row_40_cancelled_at_once_with_nothing_changed():
+    # 0.2 s is the core's promise; ticks of the timer and redraws without a graphics card come on top.
+    obj = start_long_job()
+    yield from until(lambda: session.work.progress[0] > 0)
+    started = time.monotonic()
+    session.work.cancel()
+    yield from until(lambda: session.work is None, 2.0)
+    print(f"        in {time.monotonic() - started:.2f} s")
+    assert time.monotonic() - started < 2.0
+    assert at_rest(obj)
+
+
+def check_row_42_the_object_is_deleted_while_the_job_runs():
+    obj = start_long_job()
+    bpy.data.objects.remove(obj)
+    yield from until(lambda: session.work is None, 60.0)
+    assert "Tube" not in bpy.data.objects
+
+
+def check_row_42_undo_while_the_job_runs():
+    start_long_job()
+    yield
+    with window():
+        bpy.ops.ed.undo()
+    yield from until(lambda: session.work is None, 2.0)
+    assert all(obj.name != "Tube" or at_rest(obj) for obj in bpy.data.objects if obj.type == "MESH")
+
+
+def check_row_42_another_file_is_loaded_while_the_job_runs():
+    start_long_job()
+    yield
+    with window():
+        bpy.ops.wm.read_homefile(app_template="")
+    yield
+    assert session.work is None
+
+
+TICK = 0.05
+CHECKS = [item for name, item in list(globals().items()) if name.startswith("check_")]
+
+
+def run():
+    failed = 0
+    for check in CHECKS:
+        name = check.__name__.removeprefix("check_").replace("_", " ")
+        try:
+            yield from check()
+        except Exception:
+            failed += 1
+            print(f"FAILED  {name}\n{traceback.format_exc()}", flush=True)
+        else:
+            print(f"ok      {name}", flush=True)
+    print(f"{len(CHECKS) - failed} of {len(CHECKS)} checks passed", flush=True)
+    os._exit(1 if failed else 0)  # Blender would ask to save
+
+
+steps = run()
+
+
+def step():
+    next(steps)
+    return TICK
+
+
+package = addon_utils.enable("bl_ext.user_default.lissom", default_set=False)
+assert package is not None, "install the extension first"
+session = package.session
+bpy.app.timers.register(step, first_interval=1.0, persistent=True)

@@ -1,0 +1,86 @@
+"""Sets the scene of docs/pictures/panel.png: the panels in a window, after expressions went to Suzanne.
+
+    blender --command extension install-file -r user_default -e dist/lissom-<version>-<platform>.zip
+    Xvfb :9 -screen 0 1600x1000x24 &
+    DISPLAY=:9 blender --factory-startup -p 0 0 1600 1000 --python tools/panel_picture.py &
+    DISPLAY=:9 import -window root docs/pictures/panel.png      once it prints "ready"
+
+ImageMagick's import takes the picture: Blender's own screenshot is black on a display without graphics card.
+"""
+
+import pathlib
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "demo")]
+
+import addon_utils  # noqa: E402
+import bpy  # noqa: E402
+import face as ict  # noqa: E402
+import scene  # noqa: E402
+import source  # noqa: E402
+import suzanne  # noqa: E402
+from mathutils import Euler  # noqa: E402
+
+MIX = source.MIXES["surprise"]
+SETTLE = 2.0  # seconds for Blender to draw
+
+
+def transferred():
+    """The face and Suzanne side by side, both smiling, after Fit and Transfer with the shipped markers."""
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    skin = scene.material("Given", (0.44, 0.38, 0.33), 0.55)
+    made = scene.material("Made by Lissom", (0.07, 0.27, 0.31), 0.5)
+    into = bpy.context.scene.collection
+    given = source.make("ICT skin", ict.load().only(*source.SKIN), skin, into, (-1.5, 0, 0))
+    monkey, _eyes = suzanne.make(made, into, (1.5, 0, 0.1))
+    settings = bpy.context.scene.lissom_transfer
+    settings.source, settings.target = given, monkey
+    scene.run(bpy.ops.lissom.marker_load, filepath=str(suzanne.MARKERS))
+    scene.run(bpy.ops.lissom.transfer_fit)
+    scene.run(bpy.ops.lissom.transfer_keys)
+    for obj in (given, monkey):
+        for name, value in MIX.items():
+            obj.data.shape_keys.key_blocks[name].value = value
+    bpy.context.view_layer.objects.active = monkey
+
+
+def arrange():
+    """The sidebar on our tab, both heads from the front."""
+    area = next(area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "VIEW_3D")
+    space = area.spaces.active
+    space.show_region_ui = True
+    space.shading.color_type = "MATERIAL"
+    space.overlay.show_floor = space.overlay.show_axis_x = space.overlay.show_axis_y = False
+    space.overlay.show_cursor = False
+    view = space.region_3d
+    view.view_rotation = Euler((1.45, 0, 0.2)).to_quaternion()
+    view.view_location = (0.5, 0, -0.1)
+    view.view_distance = 6.8
+    yield SETTLE  # the tab is known once the sidebar was drawn
+    sidebar = next(region for region in area.regions if region.type == "UI")
+    sidebar.active_panel_category = "Lissom"
+    area.tag_redraw()
+    yield SETTLE
+
+
+def stage():
+    """All steps; yields the seconds to wait after each."""
+    yield SETTLE
+    transferred()
+    yield from arrange()
+    print("ready", flush=True)
+
+
+def step():
+    try:
+        return next(steps)
+    except StopIteration:
+        return None
+
+
+bpy.context.preferences.view.show_splash = False
+addon_utils.enable("bl_ext.user_default.lissom", default_set=False)
+steps = stage()
+bpy.app.timers.register(step, first_interval=1.0)
