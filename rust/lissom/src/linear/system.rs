@@ -35,28 +35,27 @@ impl ConstrainedSystem {
         constraints: Constraints,
         symbolic: Option<&Symbolic>,
     ) -> Result<Self> {
-        assert_eq!(matrix.size(), constraints.vertex_count(), "one row per vertex");
-        let mut coupling = Vec::new();
-        let mut kept = Vec::new();
-        for (i, j, value) in matrix.entries() {
-            match (constraints.slot(i), constraints.slot(j)) {
-                (Some(a), Some(b)) => kept.push((a, b, value)),
-                (Some(a), None) => coupling.push((a, j, value)),
-                (None, Some(b)) => coupling.push((b, i, value)),
-                (None, None) => {}
-            }
-        }
-        coupling.sort_unstable_by_key(|&(slot, vertex, _)| (slot, vertex));
-        let mut reduced = SymmetricMatrix::from_entries(constraints.free().len(), kept);
-        for &(vertex, weight) in constraints.soft() {
-            if let Some(slot) = constraints.slot(vertex) {
-                reduced.add_to_diagonal(slot as usize, weight);
-            }
-        }
+        let (reduced, coupling) = eliminate(matrix, &constraints);
         let symbolic = match symbolic {
             Some(symbolic) => symbolic.clone(),
             None => Symbolic::analyse(&reduced)?,
         };
+        let factor = symbolic.factor(&reduced)?;
+        Ok(Self { constraints, symbolic, factor, coupling })
+    }
+
+    /// The same for a matrix of 3 x 3 blocks, one block row per vertex, where the axes couple: unknown
+    /// `3 v + a` is axis `a` of vertex `v`, and is constrained as `v` is.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Error::SolveFailed`], see [`Symbolic::factor`].
+    pub fn of_blocks(matrix: SymmetricMatrix, constraints: &Constraints) -> Result<Self> {
+        let constraints = constraints.of_axes();
+        let (reduced, coupling) = eliminate(&matrix, &constraints);
+        // The factor is about to need the room.
+        drop(matrix);
+        let symbolic = Symbolic::analyse_blocks(&reduced)?;
         let factor = symbolic.factor(&reduced)?;
         Ok(Self { constraints, symbolic, factor, coupling })
     }
@@ -100,4 +99,25 @@ impl ConstrainedSystem {
             }
         }
     }
+}
+
+/// The rows and columns of the free unknowns, soft constraints added, and what couples them to the fixed.
+fn eliminate(matrix: &SymmetricMatrix, constraints: &Constraints) -> (SymmetricMatrix, Vec<(u32, u32, f64)>) {
+    assert_eq!(matrix.size(), constraints.vertex_count(), "one row per vertex");
+    let mut coupling = Vec::new();
+    for (i, j, value) in matrix.entries() {
+        match (constraints.slot(i), constraints.slot(j)) {
+            (Some(a), None) => coupling.push((a, j, value)),
+            (None, Some(b)) => coupling.push((b, i, value)),
+            _ => {}
+        }
+    }
+    coupling.sort_unstable_by_key(|&(slot, vertex, _)| (slot, vertex));
+    let mut reduced = matrix.select(|v| constraints.slot(v));
+    for &(vertex, weight) in constraints.soft() {
+        if let Some(slot) = constraints.slot(vertex) {
+            reduced.add_to_diagonal(slot as usize, weight);
+        }
+    }
+    (reduced, coupling)
 }

@@ -137,6 +137,19 @@ impl Region {
         &self.constraints
     }
 
+    /// Whether some connected part is held by points on a line only, or a single one, so that a turn or a
+    /// scale of it is left open.
+    pub fn is_ambiguous(&self) -> bool {
+        let mesh = self.mesh();
+        let held = |v: u32| self.constraints.slot(v).is_none() || self.handle_of(v as usize).is_some();
+        mesh.components().members().iter().any(|members| {
+            let points: Vec<Vec3> =
+                members.iter().filter(|v| held(**v)).map(|&v| mesh.rest()[v as usize]).collect();
+            let center = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
+            !is_spread(points.iter().fold(Mat3::ZERO, |sum, &p| sum + outer(p - center, p - center)))
+        })
+    }
+
     /// What is doubtful, the mesh's own doubts first.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
@@ -291,10 +304,14 @@ fn rotation_between(pairs: &[(Vec3, Vec3)]) -> Option<Mat3> {
         cross += outer(b - to, a - from);
         spread += outer(a - from, a - from);
     }
+    is_spread(spread).then(|| nearest_rotation(cross))
+}
+
+/// Whether points of this covariance are on no line.
+fn is_spread(covariance: Mat3) -> bool {
     // The sum of the principal 2 x 2 minors of the covariance is s1 s2 + s1 s3 + s2 s3.
-    let trace = spread.x_axis.x + spread.y_axis.y + spread.z_axis.z;
-    let squares =
-        spread.x_axis.length_squared() + spread.y_axis.length_squared() + spread.z_axis.length_squared();
-    let second = 0.5 * (trace * trace - squares);
-    (second > SPREAD * SPREAD * trace * trace).then(|| nearest_rotation(cross))
+    let [x, y, z] = [covariance.x_axis, covariance.y_axis, covariance.z_axis];
+    let trace = x.x + y.y + z.z;
+    let second = 0.5 * (trace * trace - x.length_squared() - y.length_squared() - z.length_squared());
+    second > SPREAD * SPREAD * trace * trace
 }
