@@ -152,6 +152,12 @@ impl SymmetricMatrix {
         y
     }
 
+    /// `A D A x` with a diagonal `D`.
+    pub fn sandwich_times(&self, diagonal: &[f64], x: &[f64]) -> Vec<f64> {
+        let scaled: Vec<f64> = self.times(x).iter().zip(diagonal).map(|(y, d)| d * y).collect();
+        self.times(&scaled)
+    }
+
     /// Adds to the diagonal, which every row must have.
     pub fn add_to_diagonal(&mut self, row: usize, value: f64) {
         let first = self.0.symbolic().row_idx_of_col_raw(row).first().copied();

@@ -2,6 +2,8 @@
 //!
 //! Fixed unknowns are eliminated exactly: `A_ff x_f = b_f - A_fc x_c`.
 
+use rayon::prelude::*;
+
 use super::{Columns, Constraints, Factor, Symbolic, SymmetricMatrix};
 use crate::Result;
 
@@ -97,6 +99,32 @@ impl ConstrainedSystem {
             for (&v, &value) in free.iter().zip(reduced.column(c)) {
                 column[v as usize] = value;
             }
+        }
+    }
+
+    /// Solves without right-hand side, then again for what is left of it. `product` multiplies one column by
+    /// the matrix, not with its entries but as `B^T (B x)` from the factors that it was assembled from.
+    ///
+    /// Rounding its entries alone costs a normal matrix the square of the digits that `B` costs (Björck 1987,
+    /// Stability Analysis of the Method of Seminormal Equations): 1e-7 of the diagonal on 100,000 vertices,
+    /// where after one correction 1e-11 is left.
+    pub fn minimise(&self, x: &mut Columns, product: impl Fn(&[f64]) -> Vec<f64> + Sync) {
+        let targets = x.clone();
+        let mut rest = Columns::zeros(x.rows(), x.count());
+        self.solve(&rest, x);
+        rest.data_mut().par_chunks_mut(x.rows().max(1)).enumerate().for_each(|(c, rest)| {
+            let (x, target) = (x.column(c), targets.column(c));
+            for (rest, product) in rest.iter_mut().zip(product(x)) {
+                *rest = -product;
+            }
+            for &(v, weight) in self.constraints.soft() {
+                rest[v as usize] += weight * (target[v as usize] - x[v as usize]);
+            }
+        });
+        let mut correction = Columns::zeros(x.rows(), x.count());
+        self.solve(&rest, &mut correction);
+        for (x, correction) in x.data_mut().iter_mut().zip(correction.data_mut()) {
+            *x += *correction;
         }
     }
 }

@@ -39,6 +39,8 @@ pub struct Options {
 #[derive(Debug)]
 pub struct Laplacian {
     system: ConstrainedSystem,
+    laplacian: SymmetricMatrix,
+    squares: Vec<f64>,
 }
 
 impl Laplacian {
@@ -50,7 +52,8 @@ impl Laplacian {
     pub fn new(region: &Region, options: &Options) -> Result<Self> {
         let (laplacian, squares) = operator(region.mesh(), options.weights);
         let matrix = laplacian.sandwich(&squares);
-        Ok(Self { system: ConstrainedSystem::new(&matrix, region.constraints().clone())? })
+        let system = ConstrainedSystem::new(&matrix, region.constraints().clone())?;
+        Ok(Self { system, laplacian, squares })
     }
 }
 
@@ -68,11 +71,11 @@ pub(super) fn operator(mesh: &Mesh, weights: Weights) -> (SymmetricMatrix, Vec<f
 }
 
 impl Response for Laplacian {
-    fn displacements(&self, _region: &Region, goal: &Goal) -> Vec<Vec3> {
-        axis_by_axis(&self.system, std::slice::from_ref(goal)).swap_remove(0)
+    fn displacements(&self, region: &Region, goal: &Goal) -> Vec<Vec3> {
+        self.displacements_of(region, std::slice::from_ref(goal)).swap_remove(0)
     }
 
     fn displacements_of(&self, _region: &Region, goals: &[Goal]) -> Vec<Vec<Vec3>> {
-        axis_by_axis(&self.system, goals)
+        axis_by_axis(&self.system, goals, |x| self.laplacian.sandwich_times(&self.squares, x))
     }
 }

@@ -33,12 +33,15 @@ const LINE: f64 = 1e-12;
 
 /// Weight of the edges of the displacement where the constraints leave a turn or a scale open, relative to
 /// the largest entry of the matrix: of all poses it picks one that moves as little as it may.
-const AMBIGUOUS: f64 = 1e-10;
+const AMBIGUOUS: f64 = 1e-8;
 
 /// Fitted Laplacian editing bound to a region.
 #[derive(Debug)]
 pub struct LaplacianFitted {
     system: ConstrainedSystem,
+    rows: Vec<Row>,
+    /// The edges, weighed, where the constraints leave something open.
+    edges: Option<SymmetricMatrix>,
 }
 
 /// Block row `i`: `(j, B_ij)`, ascending.
@@ -52,20 +55,34 @@ impl LaplacianFitted {
     /// [`crate::Error::SolveFailed`] where it cannot be factored.
     pub fn new(region: &Region, options: &Options) -> Result<Self> {
         let mesh = region.mesh();
-        let mut matrix = normal_matrix(&rows(mesh, options));
-        if region.is_ambiguous() {
-            let edges = graph_laplacian(mesh);
-            let weight = AMBIGUOUS * matrix.largest();
-            matrix = matrix.combine(1.0, &edges.of_axes(), weight);
+        let rows = rows(mesh, options);
+        let mut matrix = normal_matrix(&rows);
+        let edges = region.is_ambiguous().then(|| {
+            let edges = graph_laplacian(mesh).of_axes();
+            edges.combine(AMBIGUOUS * matrix.largest(), &edges, 0.0)
+        });
+        if let Some(edges) = &edges {
+            matrix = matrix.combine(1.0, edges, 1.0);
         }
-        Ok(Self { system: ConstrainedSystem::of_blocks(matrix, region.constraints())? })
+        let system = ConstrainedSystem::of_blocks(matrix, region.constraints())?;
+        Ok(Self { system, rows, edges })
     }
 
-    fn solve(&self, goals: &[Goal]) -> Vec<Vec<Vec3>> {
-        let rows = self.system.constraints().vertex_count();
-        let mut x = Columns::interleaved(rows / 3, goals.iter().map(|goal| goal.displacements.as_slice()));
-        self.system.solve(&Columns::zeros(rows, goals.len()), &mut x);
-        (0..goals.len()).map(|column| x.interleaved_vectors(column)).collect()
+    /// `B^T (B x)`.
+    fn product(&self, x: &[f64]) -> Vec<f64> {
+        let mut product = match &self.edges {
+            Some(edges) => edges.times(x),
+            None => vec![0.0; x.len()],
+        };
+        for row in &self.rows {
+            let at = |j: u32| 3 * j as usize..3 * j as usize + 3;
+            let sum: Vec3 = row.iter().map(|&(j, b)| b * Vec3::from_slice(&x[at(j)])).sum();
+            for &(j, b) in row {
+                let part = b.transpose() * sum;
+                product[at(j)].iter_mut().zip(part.to_array()).for_each(|(y, part)| *y += part);
+            }
+        }
+        product
     }
 }
 
@@ -131,12 +148,15 @@ fn normal_matrix(rows: &[Row]) -> SymmetricMatrix {
 }
 
 impl Response for LaplacianFitted {
-    fn displacements(&self, _region: &Region, goal: &Goal) -> Vec<Vec3> {
-        self.solve(std::slice::from_ref(goal)).swap_remove(0)
+    fn displacements(&self, region: &Region, goal: &Goal) -> Vec<Vec3> {
+        self.displacements_of(region, std::slice::from_ref(goal)).swap_remove(0)
     }
 
     fn displacements_of(&self, _region: &Region, goals: &[Goal]) -> Vec<Vec<Vec3>> {
-        self.solve(goals)
+        let vertices = self.rows.len();
+        let mut x = Columns::interleaved(vertices, goals.iter().map(|goal| goal.displacements.as_slice()));
+        self.system.minimise(&mut x, |x| self.product(x));
+        (0..goals.len()).map(|column| x.interleaved_vectors(column)).collect()
     }
 
     fn axes_couple(&self) -> bool {

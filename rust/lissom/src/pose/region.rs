@@ -23,6 +23,8 @@ pub struct Region {
     part: Option<Mesh>,
     /// For each vertex of the part, its index in the whole mesh.
     whole: Vec<u32>,
+    /// For each vertex of the part, its place among the handle vertices, handles in order.
+    target_of: Vec<Option<u32>>,
     /// For each vertex of the part, its handle.
     handle_of: Vec<Option<u32>>,
     constraints: Constraints,
@@ -93,8 +95,13 @@ impl Region {
         });
         let soft = (0u32..).zip(&whole).filter_map(|(v, &w)| Some((v, pull[w as usize]?)));
         let constraints = Constraints::hard(whole.len(), |v| !free(whole[v] as usize)).with_soft(soft);
+        let mut target_of = vec![None; n];
+        for (place, &v) in (0u32..).zip(handles.iter().flat_map(|h| &h.vertices)) {
+            target_of[v as usize] = Some(place);
+        }
+        let target_of = whole.iter().map(|&v| target_of[v as usize]).collect();
         let handle_of = whole.iter().map(|&v| handle_of[v as usize]).collect();
-        Ok(Self { handles, given, part, whole, handle_of, constraints, warnings })
+        Ok(Self { handles, given, part, whole, target_of, handle_of, constraints, warnings })
     }
 
     /// The handles, as given.
@@ -158,11 +165,11 @@ impl Region {
     pub(super) fn goal(&self, mesh: &Mesh, targets: &[Vec3], handles: Vec<Motion>, affine: bool) -> Goal {
         let rest = mesh.vertices();
         let scale = mesh.frame().scale;
-        let vertices = self.handles.iter().flat_map(|h| &h.vertices);
-        let moved: HashMap<u32, Vec3> =
-            vertices.zip(targets).map(|(&v, &target)| (v, (target - rest[v as usize]) / scale)).collect();
-        let displacement = |w: &u32| moved.get(w).copied().unwrap_or(Vec3::ZERO);
-        Goal { displacements: self.whole.iter().map(displacement).collect(), handles, affine }
+        let displacements = self.whole.iter().zip(&self.target_of).map(|(&v, place)| match place {
+            Some(place) => (targets[*place as usize] - rest[v as usize]) / scale,
+            None => Vec3::ZERO,
+        });
+        Goal { displacements: displacements.collect(), handles, affine }
     }
 
     pub(super) fn write_back(&self, mesh: &Mesh, displacements: &[Vec3], vertices: &mut [Vec3]) {

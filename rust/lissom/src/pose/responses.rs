@@ -35,12 +35,16 @@ pub trait Response: Send + std::fmt::Debug {
     }
 }
 
-/// Displacements of a method whose axes are independent columns of one system, without other right-hand
-/// side than what the goals give.
-pub(super) fn axis_by_axis(system: &ConstrainedSystem, goals: &[Goal]) -> Vec<Vec<Vec3>> {
+/// Displacements of a method whose axes are independent columns of one system. `product` multiplies a
+/// column by its matrix, see [`ConstrainedSystem::minimise`].
+pub(super) fn axis_by_axis(
+    system: &ConstrainedSystem,
+    goals: &[Goal],
+    product: impl Fn(&[f64]) -> Vec<f64> + Sync,
+) -> Vec<Vec<Vec3>> {
     let rows = system.constraints().vertex_count();
     let mut x = Columns::side_by_side(rows, goals.iter().map(|goal| goal.displacements.as_slice()));
-    system.solve(&Columns::zeros(rows, x.count()), &mut x);
+    system.minimise(&mut x, product);
     (0..goals.len()).map(|block| x.vectors(block)).collect()
 }
 

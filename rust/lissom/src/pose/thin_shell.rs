@@ -43,6 +43,9 @@ impl Default for Options {
 #[derive(Debug)]
 pub struct ThinShell {
     system: ConstrainedSystem,
+    laplacian: SymmetricMatrix,
+    inverse: Vec<f64>,
+    options: Options,
 }
 
 impl ThinShell {
@@ -62,35 +65,39 @@ impl ThinShell {
         if k_s == 0.0 && k_b == 0.0 {
             return Err(Error::InvalidValue(Fault::new("k_b", "must not be 0 where k_s is 0 too")));
         }
-        let (stretching, bending) = energies(region, options.border)?;
-        let matrix = stretching.combine(k_s, &bending, k_b);
-        Ok(Self { system: ConstrainedSystem::new(&matrix, region.constraints().clone())? })
+        let mesh = region.mesh();
+        let laplacian = cotangent_laplacian(mesh);
+        let mut inverse = inverse_mass(mesh);
+        if options.border == 0 {
+            let given = (0u32..).zip(&mut inverse).filter(|(v, _)| region.constraints().slot(*v).is_none());
+            given.for_each(|(_, inverse)| *inverse = 0.0);
+        }
+        let matrix = match options.border {
+            0 => laplacian.combine(k_s, &laplacian.sandwich(&inverse), k_b),
+            border => polyharmonic(mesh, border - 1)?.combine(k_s, &polyharmonic(mesh, border)?, k_b),
+        };
+        let system = ConstrainedSystem::new(&matrix, region.constraints().clone())?;
+        Ok(Self { system, laplacian, inverse, options: options.clone() })
     }
-}
 
-/// The Hessians of the two terms.
-fn energies(region: &Region, border: usize) -> Result<(SymmetricMatrix, SymmetricMatrix)> {
-    let mesh = region.mesh();
-    if border > 0 {
-        return Ok((polyharmonic(mesh, border - 1)?, polyharmonic(mesh, border)?));
-    }
-    let laplacian = cotangent_laplacian(mesh);
-    let mut inverse = inverse_mass(mesh);
-    for (v, inverse) in (0u32..).zip(&mut inverse) {
-        if region.constraints().slot(v).is_none() {
-            *inverse = 0.0;
+    /// `(k_s L + k_b L M^-1 L) x`, times `L M^-1` for border 2.
+    fn product(&self, x: &[f64]) -> Vec<f64> {
+        let (k_s, k_b) = (self.options.stretching, self.options.bending);
+        let bent = self.laplacian.times(x).into_iter().zip(&self.inverse);
+        let both: Vec<f64> = bent.zip(x).map(|((l, inverse), x)| k_s * x + k_b * inverse * l).collect();
+        match self.options.border {
+            2 => self.laplacian.sandwich_times(&self.inverse, &both),
+            _ => self.laplacian.times(&both),
         }
     }
-    let hinged = laplacian.sandwich(&inverse);
-    Ok((laplacian, hinged))
 }
 
 impl Response for ThinShell {
-    fn displacements(&self, _region: &Region, goal: &Goal) -> Vec<Vec3> {
-        axis_by_axis(&self.system, std::slice::from_ref(goal)).swap_remove(0)
+    fn displacements(&self, region: &Region, goal: &Goal) -> Vec<Vec3> {
+        self.displacements_of(region, std::slice::from_ref(goal)).swap_remove(0)
     }
 
     fn displacements_of(&self, _region: &Region, goals: &[Goal]) -> Vec<Vec<Vec3>> {
-        axis_by_axis(&self.system, goals)
+        axis_by_axis(&self.system, goals, |x| self.product(x))
     }
 }
