@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use lissom::Job;
 use lissom::pose::{
-    Handle, Hold, METHODS, MethodOptions, Pose, Posed, Report, SolveOptions, arap, laplacian,
+    Handle, Hold, METHODS, MethodOptions, Pose, Posed, Report, SolveOptions, arap, laplacian, thin_shell,
 };
 use lissom::{Error, Fault, Vec3};
 use pyo3::exceptions::PyTypeError;
@@ -77,13 +77,23 @@ impl<'py> Options<'py> {
         Ok(if soft { Hold::Soft(weight) } else { Hold::Hard })
     }
 
+    fn laplacian(&mut self) -> PyResult<laplacian::Options> {
+        let kinds = [("cotangent", laplacian::Weights::Cotangent), ("uniform", laplacian::Weights::Uniform)];
+        Ok(laplacian::Options { weights: self.choice("weights", &kinds)? })
+    }
+
     /// The options of one method.
     fn method(&mut self) -> PyResult<MethodOptions> {
         Ok(match self.method.as_str() {
-            "laplacian" => {
-                let kinds =
-                    [("cotangent", laplacian::Weights::Cotangent), ("uniform", laplacian::Weights::Uniform)];
-                MethodOptions::Laplacian(laplacian::Options { weights: self.choice("weights", &kinds)? })
+            "laplacian" => MethodOptions::Laplacian(self.laplacian()?),
+            "laplacian_fitted" => MethodOptions::LaplacianFitted(self.laplacian()?),
+            "thin_shell" => {
+                let default = thin_shell::Options::default();
+                MethodOptions::ThinShell(thin_shell::Options {
+                    stretching: self.value("k_s", default.stretching)?,
+                    bending: self.value("k_b", default.bending)?,
+                    border: self.value("border", default.border)?,
+                })
             }
             "arap" => {
                 let kinds =
@@ -118,7 +128,9 @@ impl<'py> Options<'py> {
 /// solving is then quick.
 ///
 /// Every method has constraints="hard" | "soft" and weight=1.0 (of soft constraints). Further options:
-/// laplacian: weights="cotangent" | "uniform".
+/// laplacian, laplacian_fitted: weights="cotangent" | "uniform".
+/// thin_shell: k_s=1.0 and k_b=2.0, the resistance to stretching and to bending of a mesh whose box has the
+/// diagonal 1; border=0 | 1 | 2, whether the free surface meets the rest in position, slope or curvature.
 /// arap: cells="spokes_and_rims" | "spokes"; rotation_smoothing=0.0, how much neighbours' rotations must
 /// agree; smoothness=0.0, up to below 1, how much curvature counts against lengths (0.1 takes the spike off
 /// a single moved vertex).

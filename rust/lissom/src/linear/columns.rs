@@ -21,6 +21,22 @@ impl Columns {
         Self { rows: vectors.len(), data: axis(0).chain(axis(1)).chain(axis(2)).collect() }
     }
 
+    /// Three columns x, y, z per block, one vector per row.
+    pub fn side_by_side<'a>(rows: usize, blocks: impl Iterator<Item = &'a [Vec3]>) -> Self {
+        let axes = blocks.flat_map(|block| [0, 1, 2].map(|a| block.iter().map(move |v| v[a])));
+        Self { rows, data: axes.flatten().collect() }
+    }
+
+    /// One column per block, of three rows x, y, z per vector.
+    pub fn interleaved<'a>(rows: usize, blocks: impl Iterator<Item = &'a [Vec3]>) -> Self {
+        Self { rows: 3 * rows, data: blocks.flatten().flat_map(Vec3::to_array).collect() }
+    }
+
+    /// The vectors of one column that has three rows x, y, z per vector.
+    pub fn interleaved_vectors(&self, column: usize) -> Vec<Vec3> {
+        self.column(column).chunks_exact(3).map(Vec3::from_slice).collect()
+    }
+
     /// The vectors of columns `3 block`, `3 block + 1`, `3 block + 2`.
     pub fn vectors(&self, block: usize) -> Vec<Vec3> {
         let [x, y, z] = [0, 1, 2].map(|a| self.column(3 * block + a));

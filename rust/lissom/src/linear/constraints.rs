@@ -30,6 +30,13 @@ impl Constraints {
         self
     }
 
+    /// The same constraints on three unknowns a vertex, `3 v + a` for axis `a`.
+    pub fn of_axes(&self) -> Self {
+        let soft = self.soft.iter().flat_map(|&(v, weight)| [0, 1, 2].map(|a| (3 * v + a, weight)));
+        let fixed = |unknown: usize| self.slot[unknown / 3] == FIXED;
+        Self::hard(3 * self.vertex_count(), fixed).with_soft(soft)
+    }
+
     /// The free vertices, ascending.
     pub fn free(&self) -> &[u32] {
         &self.free

@@ -1,6 +1,8 @@
 //! Sparse symmetric matrices, stored as their lower triangle.
 
-use faer::sparse::{SparseColMat, Triplet};
+use faer::sparse::{SparseColMat, SymbolicSparseColMat, Triplet};
+
+use crate::Mat3;
 
 /// A sparse symmetric matrix; only the lower triangle is stored.
 #[derive(Debug, Clone)]
@@ -17,6 +19,46 @@ impl SymmetricMatrix {
         let triplets: Vec<Triplet<u32, u32, f64>> =
             entries.into_iter().map(|(i, j, value)| Triplet::new(i.max(j), i.min(j), value)).collect();
         Self(SparseColMat::try_new_from_triplets(n, n, &triplets).expect("indices are within the matrix"))
+    }
+
+    /// The 3n x 3n matrix of 3 x 3 blocks. `fill(k, list)` lists the block column `k` from its diagonal
+    /// block down, as `(block row, block)` in ascending order; it starts from an empty list.
+    pub fn from_blocks(n: usize, mut fill: impl FnMut(u32, &mut Vec<(u32, Mat3)>)) -> Self {
+        let (mut starts, mut rows, mut values) = (vec![0u32], Vec::new(), Vec::new());
+        let mut column = Vec::new();
+        for k in 0..n as u32 {
+            column.clear();
+            fill(k, &mut column);
+            for b in 0..3 {
+                for &(j, block) in &column {
+                    let first = if j == k { b } else { 0 };
+                    rows.extend((first..3).map(|a| 3 * j + a as u32));
+                    values.extend((first..3).map(|a| block.col(b)[a]));
+                }
+                starts.push(rows.len() as u32);
+            }
+        }
+        Self::from_parts(starts, rows, values)
+    }
+
+    /// The rows and columns with a `slot`, which must ascend, moved to it.
+    pub fn select(&self, slot: impl Fn(u32) -> Option<u32>) -> Self {
+        let (mut starts, mut rows, mut values) = (vec![0u32], Vec::new(), Vec::new());
+        for j in (0..self.size()).filter(|&j| slot(j as u32).is_some()) {
+            let entries = self.0.symbolic().row_idx_of_col_raw(j).iter().zip(self.0.val_of_col(j));
+            for (row, &value) in entries.filter_map(|(&i, value)| Some((slot(i)?, value))) {
+                rows.push(row);
+                values.push(value);
+            }
+            starts.push(rows.len() as u32);
+        }
+        Self::from_parts(starts, rows, values)
+    }
+
+    fn from_parts(starts: Vec<u32>, rows: Vec<u32>, values: Vec<f64>) -> Self {
+        let n = starts.len() - 1;
+        let pattern = SymbolicSparseColMat::new_checked(n, n, starts, None, rows);
+        Self(SparseColMat::new(pattern, values))
     }
 
     /// `sum over (i, j, w) of w (e_i - e_j) (e_i - e_j)^T`.
@@ -71,6 +113,20 @@ impl SymmetricMatrix {
         Self::from_entries(self.size(), entries)
     }
 
+    /// The 3n x 3n matrix that does the same to three interleaved axes, with full 3 x 3 blocks.
+    pub fn of_axes(&self) -> Self {
+        Self::from_blocks(self.size(), |k, column| {
+            let rows = self.0.symbolic().row_idx_of_col_raw(k as usize).iter();
+            let values = self.0.val_of_col(k as usize);
+            column.extend(rows.zip(values).map(|(&j, &value)| (j, Mat3::IDENTITY * value)));
+        })
+    }
+
+    /// The largest entry of the diagonal.
+    pub fn largest(&self) -> f64 {
+        (0..self.size()).filter_map(|j| self.0.val_of_col(j).first()).fold(0.0, |most: f64, &d| most.max(d))
+    }
+
     /// Number of rows and columns.
     pub fn size(&self) -> usize {
         self.0.nrows()
@@ -94,6 +150,12 @@ impl SymmetricMatrix {
             }
         }
         y
+    }
+
+    /// `A D A x` with a diagonal `D`.
+    pub fn sandwich_times(&self, diagonal: &[f64], x: &[f64]) -> Vec<f64> {
+        let scaled: Vec<f64> = self.times(x).iter().zip(diagonal).map(|(y, d)| d * y).collect();
+        self.times(&scaled)
     }
 
     /// Adds to the diagonal, which every row must have.

@@ -2,6 +2,8 @@
 //!
 //! Fixed unknowns are eliminated exactly: `A_ff x_f = b_f - A_fc x_c`.
 
+use rayon::prelude::*;
+
 use super::{Columns, Constraints, Factor, Symbolic, SymmetricMatrix};
 use crate::Result;
 
@@ -35,28 +37,27 @@ impl ConstrainedSystem {
         constraints: Constraints,
         symbolic: Option<&Symbolic>,
     ) -> Result<Self> {
-        assert_eq!(matrix.size(), constraints.vertex_count(), "one row per vertex");
-        let mut coupling = Vec::new();
-        let mut kept = Vec::new();
-        for (i, j, value) in matrix.entries() {
-            match (constraints.slot(i), constraints.slot(j)) {
-                (Some(a), Some(b)) => kept.push((a, b, value)),
-                (Some(a), None) => coupling.push((a, j, value)),
-                (None, Some(b)) => coupling.push((b, i, value)),
-                (None, None) => {}
-            }
-        }
-        coupling.sort_unstable_by_key(|&(slot, vertex, _)| (slot, vertex));
-        let mut reduced = SymmetricMatrix::from_entries(constraints.free().len(), kept);
-        for &(vertex, weight) in constraints.soft() {
-            if let Some(slot) = constraints.slot(vertex) {
-                reduced.add_to_diagonal(slot as usize, weight);
-            }
-        }
+        let (reduced, coupling) = eliminate(matrix, &constraints);
         let symbolic = match symbolic {
             Some(symbolic) => symbolic.clone(),
             None => Symbolic::analyse(&reduced)?,
         };
+        let factor = symbolic.factor(&reduced)?;
+        Ok(Self { constraints, symbolic, factor, coupling })
+    }
+
+    /// The same for a matrix of 3 x 3 blocks, one block row per vertex, where the axes couple: unknown
+    /// `3 v + a` is axis `a` of vertex `v`, and is constrained as `v` is.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Error::SolveFailed`], see [`Symbolic::factor`].
+    pub fn of_blocks(matrix: SymmetricMatrix, constraints: &Constraints) -> Result<Self> {
+        let constraints = constraints.of_axes();
+        let (reduced, coupling) = eliminate(&matrix, &constraints);
+        // The factor is about to need the room.
+        drop(matrix);
+        let symbolic = Symbolic::analyse_blocks(&reduced)?;
         let factor = symbolic.factor(&reduced)?;
         Ok(Self { constraints, symbolic, factor, coupling })
     }
@@ -100,4 +101,51 @@ impl ConstrainedSystem {
             }
         }
     }
+
+    /// Solves without right-hand side, then again for what is left of it. `product` multiplies one column by
+    /// the matrix, not with its entries but as `B^T (B x)` from the factors that it was assembled from.
+    ///
+    /// Rounding its entries alone costs a normal matrix the square of the digits that `B` costs (Björck 1987,
+    /// Stability Analysis of the Method of Seminormal Equations): 1e-7 of the diagonal on 100,000 vertices,
+    /// where after one correction 1e-11 is left.
+    pub fn minimise(&self, x: &mut Columns, product: impl Fn(&[f64]) -> Vec<f64> + Sync) {
+        let targets = x.clone();
+        let mut rest = Columns::zeros(x.rows(), x.count());
+        self.solve(&rest, x);
+        rest.data_mut().par_chunks_mut(x.rows().max(1)).enumerate().for_each(|(c, rest)| {
+            let (x, target) = (x.column(c), targets.column(c));
+            for (rest, product) in rest.iter_mut().zip(product(x)) {
+                *rest = -product;
+            }
+            for &(v, weight) in self.constraints.soft() {
+                rest[v as usize] += weight * (target[v as usize] - x[v as usize]);
+            }
+        });
+        let mut correction = Columns::zeros(x.rows(), x.count());
+        self.solve(&rest, &mut correction);
+        for (x, correction) in x.data_mut().iter_mut().zip(correction.data_mut()) {
+            *x += *correction;
+        }
+    }
+}
+
+/// The rows and columns of the free unknowns, soft constraints added, and what couples them to the fixed.
+fn eliminate(matrix: &SymmetricMatrix, constraints: &Constraints) -> (SymmetricMatrix, Vec<(u32, u32, f64)>) {
+    assert_eq!(matrix.size(), constraints.vertex_count(), "one row per vertex");
+    let mut coupling = Vec::new();
+    for (i, j, value) in matrix.entries() {
+        match (constraints.slot(i), constraints.slot(j)) {
+            (Some(a), None) => coupling.push((a, j, value)),
+            (None, Some(b)) => coupling.push((b, i, value)),
+            _ => {}
+        }
+    }
+    coupling.sort_unstable_by_key(|&(slot, vertex, _)| (slot, vertex));
+    let mut reduced = matrix.select(|v| constraints.slot(v));
+    for &(vertex, weight) in constraints.soft() {
+        if let Some(slot) = constraints.slot(vertex) {
+            reduced.add_to_diagonal(slot as usize, weight);
+        }
+    }
+    (reduced, coupling)
 }

@@ -11,9 +11,9 @@
 //! displacement `d = x - v`, for which `delta` vanishes.
 
 use super::field::inverse_mass;
-use super::responses::Response;
+use super::responses::{Response, axis_by_axis};
 use super::{Goal, Region};
-use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
+use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::graph::graph_laplacian;
 use crate::{Mesh, Result, Vec3};
@@ -39,6 +39,8 @@ pub struct Options {
 #[derive(Debug)]
 pub struct Laplacian {
     system: ConstrainedSystem,
+    laplacian: SymmetricMatrix,
+    squares: Vec<f64>,
 }
 
 impl Laplacian {
@@ -48,28 +50,32 @@ impl Laplacian {
     ///
     /// [`crate::Error::SolveFailed`] where it cannot be factored.
     pub fn new(region: &Region, options: &Options) -> Result<Self> {
-        let matrix = normal_matrix(region.mesh(), options.weights);
-        Ok(Self { system: ConstrainedSystem::new(&matrix, region.constraints().clone())? })
+        let (laplacian, squares) = operator(region.mesh(), options.weights);
+        let matrix = laplacian.sandwich(&squares);
+        let system = ConstrainedSystem::new(&matrix, region.constraints().clone())?;
+        Ok(Self { system, laplacian, squares })
     }
 }
 
-/// `A^T A`.
-fn normal_matrix(mesh: &Mesh, weights: Weights) -> SymmetricMatrix {
+/// `L` and the squares of `D` of the operator `A = D L`.
+pub(super) fn operator(mesh: &Mesh, weights: Weights) -> (SymmetricMatrix, Vec<f64>) {
     match weights {
-        Weights::Cotangent => cotangent_laplacian(mesh).sandwich(&inverse_mass(mesh)),
+        Weights::Cotangent => (cotangent_laplacian(mesh), inverse_mass(mesh)),
         Weights::Uniform => {
             let laplacian = graph_laplacian(mesh);
             let degree = laplacian.entries().filter(|(i, j, _)| i == j).map(|(_, _, d)| d);
-            let inverse: Vec<f64> = degree.map(|d| if d > 0.0 { 1.0 / (d * d) } else { 0.0 }).collect();
-            laplacian.sandwich(&inverse)
+            let squares = degree.map(|d| if d > 0.0 { 1.0 / (d * d) } else { 0.0 }).collect();
+            (laplacian, squares)
         }
     }
 }
 
 impl Response for Laplacian {
-    fn displacements(&self, _region: &Region, goal: &Goal) -> Vec<Vec3> {
-        let mut x = Columns::from_vectors(&goal.displacements);
-        self.system.solve(&Columns::zeros(x.rows(), x.count()), &mut x);
-        x.vectors(0)
+    fn displacements(&self, region: &Region, goal: &Goal) -> Vec<Vec3> {
+        self.displacements_of(region, std::slice::from_ref(goal)).swap_remove(0)
+    }
+
+    fn displacements_of(&self, _region: &Region, goals: &[Goal]) -> Vec<Vec<Vec3>> {
+        axis_by_axis(&self.system, goals, |x| self.laplacian.sandwich_times(&self.squares, x))
     }
 }

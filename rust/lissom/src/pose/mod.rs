@@ -7,14 +7,18 @@
 //! | file | method | chooses |
 //! |---|---|---|
 //! | [`laplacian`] | Laplacian editing | the rest pose's Laplacian coordinates, as they are |
+//! | [`laplacian_fitted`] | the same with details that turn | a small turn and a scale for each vertex, as its neighbours move |
+//! | [`thin_shell`] | thin shell | no detail: the displacement stretches and bends least |
 //! | [`arap`] | as rigid as possible | the rotations that fit the current shape best, again and again |
 
 mod anderson;
 pub mod arap;
 mod field;
 pub mod laplacian;
+pub mod laplacian_fitted;
 mod region;
 mod responses;
+pub mod thin_shell;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -26,13 +30,17 @@ use crate::rotation::{log, nearest_branch, nearest_rotation};
 use crate::{Error, Fault, Job, Mat3, Mat4, Mesh, Result, Vec3};
 
 /// Names of the methods, as in `lissom.POSE_METHODS`.
-pub const METHODS: &[&str] = &["laplacian", "arap"];
+pub const METHODS: &[&str] = &["laplacian", "laplacian_fitted", "thin_shell", "arap"];
 
 /// A method and its options; one of [`METHODS`] each.
 #[derive(Debug, Clone)]
 pub enum MethodOptions {
     /// [`laplacian`]
     Laplacian(laplacian::Options),
+    /// [`laplacian_fitted`]
+    LaplacianFitted(laplacian::Options),
+    /// [`thin_shell`]
+    ThinShell(thin_shell::Options),
     /// [`arap`]
     Arap(arap::Options),
 }
@@ -47,6 +55,10 @@ impl MethodOptions {
     fn bind(&self, region: &Region) -> Result<Box<dyn Method>> {
         Ok(match self {
             Self::Laplacian(options) => Box::new(Linear::new(laplacian::Laplacian::new(region, options)?)),
+            Self::LaplacianFitted(options) => {
+                Box::new(Linear::new(laplacian_fitted::LaplacianFitted::new(region, options)?))
+            }
+            Self::ThinShell(options) => Box::new(Linear::new(thin_shell::ThinShell::new(region, options)?)),
             Self::Arap(options) => Box::new(arap::Arap::new(region, options)?),
         })
     }

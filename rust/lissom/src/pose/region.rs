@@ -23,6 +23,8 @@ pub struct Region {
     part: Option<Mesh>,
     /// For each vertex of the part, its index in the whole mesh.
     whole: Vec<u32>,
+    /// For each vertex of the part, its place among the handle vertices, handles in order.
+    target_of: Vec<Option<u32>>,
     /// For each vertex of the part, its handle.
     handle_of: Vec<Option<u32>>,
     constraints: Constraints,
@@ -93,8 +95,13 @@ impl Region {
         });
         let soft = (0u32..).zip(&whole).filter_map(|(v, &w)| Some((v, pull[w as usize]?)));
         let constraints = Constraints::hard(whole.len(), |v| !free(whole[v] as usize)).with_soft(soft);
+        let mut target_of = vec![None; n];
+        for (place, &v) in (0u32..).zip(handles.iter().flat_map(|h| &h.vertices)) {
+            target_of[v as usize] = Some(place);
+        }
+        let target_of = whole.iter().map(|&v| target_of[v as usize]).collect();
         let handle_of = whole.iter().map(|&v| handle_of[v as usize]).collect();
-        Ok(Self { handles, given, part, whole, handle_of, constraints, warnings })
+        Ok(Self { handles, given, part, whole, target_of, handle_of, constraints, warnings })
     }
 
     /// The handles, as given.
@@ -137,6 +144,19 @@ impl Region {
         &self.constraints
     }
 
+    /// Whether some connected part is held by points on a line only, or a single one, so that a turn or a
+    /// scale of it is left open.
+    pub fn is_ambiguous(&self) -> bool {
+        let mesh = self.mesh();
+        let held = |v: u32| self.constraints.slot(v).is_none() || self.handle_of(v as usize).is_some();
+        mesh.components().members().iter().any(|members| {
+            let points: Vec<Vec3> =
+                members.iter().filter(|v| held(**v)).map(|&v| mesh.rest()[v as usize]).collect();
+            let center = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
+            !is_spread(points.iter().fold(Mat3::ZERO, |sum, &p| sum + outer(p - center, p - center)))
+        })
+    }
+
     /// What is doubtful, the mesh's own doubts first.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
@@ -145,11 +165,11 @@ impl Region {
     pub(super) fn goal(&self, mesh: &Mesh, targets: &[Vec3], handles: Vec<Motion>, affine: bool) -> Goal {
         let rest = mesh.vertices();
         let scale = mesh.frame().scale;
-        let vertices = self.handles.iter().flat_map(|h| &h.vertices);
-        let moved: HashMap<u32, Vec3> =
-            vertices.zip(targets).map(|(&v, &target)| (v, (target - rest[v as usize]) / scale)).collect();
-        let displacement = |w: &u32| moved.get(w).copied().unwrap_or(Vec3::ZERO);
-        Goal { displacements: self.whole.iter().map(displacement).collect(), handles, affine }
+        let displacements = self.whole.iter().zip(&self.target_of).map(|(&v, place)| match place {
+            Some(place) => (targets[*place as usize] - rest[v as usize]) / scale,
+            None => Vec3::ZERO,
+        });
+        Goal { displacements: displacements.collect(), handles, affine }
     }
 
     pub(super) fn write_back(&self, mesh: &Mesh, displacements: &[Vec3], vertices: &mut [Vec3]) {
@@ -291,10 +311,14 @@ fn rotation_between(pairs: &[(Vec3, Vec3)]) -> Option<Mat3> {
         cross += outer(b - to, a - from);
         spread += outer(a - from, a - from);
     }
+    is_spread(spread).then(|| nearest_rotation(cross))
+}
+
+/// Whether points of this covariance are on no line.
+fn is_spread(covariance: Mat3) -> bool {
     // The sum of the principal 2 x 2 minors of the covariance is s1 s2 + s1 s3 + s2 s3.
-    let trace = spread.x_axis.x + spread.y_axis.y + spread.z_axis.z;
-    let squares =
-        spread.x_axis.length_squared() + spread.y_axis.length_squared() + spread.z_axis.length_squared();
-    let second = 0.5 * (trace * trace - squares);
-    (second > SPREAD * SPREAD * trace * trace).then(|| nearest_rotation(cross))
+    let [x, y, z] = [covariance.x_axis, covariance.y_axis, covariance.z_axis];
+    let trace = x.x + y.y + z.z;
+    let second = 0.5 * (trace * trace - x.length_squared() - y.length_squared() - z.length_squared());
+    second > SPREAD * SPREAD * trace * trace
 }

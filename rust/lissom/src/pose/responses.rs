@@ -12,6 +12,8 @@
 use rayon::prelude::*;
 
 use super::{Goal, Method, Motion, Region, Solution, SolveOptions};
+use crate::linear::{Columns, ConstrainedSystem};
+use crate::operators::gradient::outer;
 use crate::{Job, Mat3, Result, Vec3};
 
 /// Most handles whose responses are kept; beyond, a solve is the lesser cost.
@@ -22,10 +24,28 @@ pub trait Response: Send + std::fmt::Debug {
     /// Displacements of every vertex of the region's mesh.
     fn displacements(&self, region: &Region, goal: &Goal) -> Vec<Vec3>;
 
+    /// The same for several goals, which may share passes over a factor.
+    fn displacements_of(&self, region: &Region, goals: &[Goal]) -> Vec<Vec<Vec3>> {
+        goals.iter().map(|goal| self.displacements(region, goal)).collect()
+    }
+
     /// Whether a motion along one axis moves anything along another.
     fn axes_couple(&self) -> bool {
         false
     }
+}
+
+/// Displacements of a method whose axes are independent columns of one system. `product` multiplies a
+/// column by its matrix, see [`ConstrainedSystem::minimise`].
+pub(super) fn axis_by_axis(
+    system: &ConstrainedSystem,
+    goals: &[Goal],
+    product: impl Fn(&[f64]) -> Vec<f64> + Sync,
+) -> Vec<Vec<Vec3>> {
+    let rows = system.constraints().vertex_count();
+    let mut x = Columns::side_by_side(rows, goals.iter().map(|goal| goal.displacements.as_slice()));
+    system.minimise(&mut x, product);
+    (0..goals.len()).map(|block| x.vectors(block)).collect()
 }
 
 /// A linear method with its responses, which are made when handles first move as wholes.
@@ -49,39 +69,46 @@ impl<M: Response> Linear<M> {
     }
 
     fn respond(&self, region: &Region, handles: usize, job: &Job) -> Result<Responses> {
-        let axes = if self.method.axes_couple() { 3 } else { 1 };
-        let entries = handles * 4 * axes;
+        let couple = self.method.axes_couple();
+        let entries = handles * if couple { 12 } else { 4 };
         let vertices = region.mesh().vertices().len();
-        let mut responses = vec![Vec3::ZERO; vertices * entries];
-        for entry in 0..entries {
-            job.report(entry as f64 / entries as f64, "responses");
+        let mut vector = vec![Vec3::ZERO; if couple { vertices * entries } else { 0 }];
+        let mut scalar = vec![0.0; if couple { 0 } else { vertices * entries }];
+        for handle in 0..handles {
+            job.report(handle as f64 / handles as f64, "responses");
             job.check()?;
-            let (handle, column, axis) = (entry / (4 * axes), entry / axes % 4, entry % axes);
-            let goal = unit_goal(region, handles, handle, column, axis);
-            for (v, d) in self.method.displacements(region, &goal).into_iter().enumerate() {
-                responses[v * entries + entry] = d;
+            let units: Vec<(Mat3, Vec3)> = if couple {
+                let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+                let linear = axes.iter().flat_map(|&k| axes.map(|a| (outer(a, k), Vec3::ZERO)));
+                linear.chain(axes.map(|a| (Mat3::ZERO, a))).collect()
+            } else {
+                // Each axis of the displacements answers to its own row alone: three entries at once.
+                vec![(Mat3::IDENTITY, Vec3::ZERO), (Mat3::ZERO, Vec3::X)]
+            };
+            let goals: Vec<Goal> =
+                units.into_iter().map(|(change, offset)| unit_goal(region, handle, change, offset)).collect();
+            let first = handle * entries / handles;
+            for (unit, moved) in self.method.displacements_of(region, &goals).into_iter().enumerate() {
+                for (v, d) in moved.into_iter().enumerate() {
+                    let at = v * entries + first + if couple { unit } else { 3 * unit };
+                    match (couple, unit) {
+                        (true, _) => vector[at] = d,
+                        (false, 0) => scalar[at..at + 3].copy_from_slice(&d.to_array()),
+                        (false, _) => scalar[at] = d.x,
+                    }
+                }
             }
         }
-        Ok(if axes == 3 {
-            Responses::Vector(responses)
-        } else {
-            Responses::Scalar(responses.into_iter().map(|d| d.x).collect())
-        })
+        Ok(if couple { Responses::Vector(vector) } else { Responses::Scalar(scalar) })
     }
 }
 
-/// One entry of one handle's `[A - I | b]` is 1, all others 0.
-fn unit_goal(region: &Region, handles: usize, handle: usize, column: usize, axis: usize) -> Goal {
+/// One handle's `[A - I | b]` is `[change | offset]`, all others stay.
+fn unit_goal(region: &Region, handle: usize, change: Mat3, offset: Vec3) -> Goal {
     let still = Motion { rotation: Vec3::ZERO, linear: Mat3::IDENTITY, offset: Vec3::ZERO };
-    let mut motions = vec![still; handles];
-    let mut change = Mat3::ZERO;
-    if column < 3 {
-        change.col_mut(column)[axis] = 1.0;
-    } else {
-        motions[handle].offset[axis] = 1.0;
-    }
-    motions[handle].linear += change;
-    let (rest, offset) = (region.mesh().rest(), motions[handle].offset);
+    let mut motions = vec![still; region.handles().len()];
+    motions[handle] = Motion { linear: Mat3::IDENTITY + change, offset, ..still };
+    let rest = region.mesh().rest();
     let moved = (0..rest.len()).map(|v| match region.handle_of(v) {
         Some(h) if h == handle => change * rest[v] + offset,
         _ => Vec3::ZERO,

@@ -1,0 +1,165 @@
+//! Laplacian editing with implicitly fitted transformations (thesis of S. Zhou 2008, 2.3-2.4; Sorkine,
+//! Cohen-Or, Lipman, Alexa, Rössl & Seidel 2004, Laplacian Surface Editing).
+//!
+//! ```text
+//!     min_x  sum_i  | (A x)_i - T_i(x) delta_i |^2  +  w^2 sum_{i in H} | x_i - u_i |^2      delta = A v
+//!     T_i = s I + [h]x  =  argmin  sum_{j in i and its neighbours}  | x_j - T_i v_j - t |^2
+//! ```
+//!
+//! The details turn and grow with the surface, as far as a linear map can tell: `s I + [h]x` is a rotation
+//! with a uniform scale for small turns, and swells by `1 / cos` for larger ones. The translation `t` is
+//! free in the fit, as in Sorkine et al. and unlike equation 2-11, which depends on the origin.
+//!
+//! With `p_j = v_j - mean`, `q = sum |p_j|^2` and `K = sum [p_j]x^T [p_j]x` the fit is
+//! `s = sum p_j . x_j / q`, `h = K^-1 sum p_j x x_j`: scale and turn do not mix. So the term of vertex `i` is
+//! linear, `sum_j B_ij x_j` with 3 x 3 blocks `B_ij = a_ij I - delta p_j^T / q + [delta]x K^-1 [p_j]x`. It
+//! vanishes for `x = v`, where `T_i = I`, hence the unknown may as well be the displacement `d = x - v`.
+//! The normal matrix, 3n x 3n, has the blocks `sum_i B_ij^T B_ik`: two rings wide, and assembled from them
+//! directly, block column by block column (thesis 2.4.2).
+
+use rayon::prelude::*;
+
+use super::laplacian::{Options, operator};
+use super::responses::Response;
+use super::{Goal, Region};
+use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
+use crate::operators::gradient::outer;
+use crate::operators::graph::graph_laplacian;
+use crate::{Mat3, Mesh, Result, Vec3};
+
+/// Added to `K`, relative to its trace. Where a vertex and its neighbours lie on a line, turns about it
+/// cannot be told, and are none.
+const LINE: f64 = 1e-12;
+
+/// Weight of the edges of the displacement where the constraints leave a turn or a scale open, relative to
+/// the largest entry of the matrix: of all poses it picks one that moves as little as it may.
+const AMBIGUOUS: f64 = 1e-8;
+
+/// Fitted Laplacian editing bound to a region.
+#[derive(Debug)]
+pub struct LaplacianFitted {
+    system: ConstrainedSystem,
+    rows: Vec<Row>,
+    /// The edges, weighed, where the constraints leave something open.
+    edges: Option<SymmetricMatrix>,
+}
+
+/// Block row `i`: `(j, B_ij)`, ascending.
+type Row = Vec<(u32, Mat3)>;
+
+impl LaplacianFitted {
+    /// Assembles and factors the normal matrix.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Error::SolveFailed`] where it cannot be factored.
+    pub fn new(region: &Region, options: &Options) -> Result<Self> {
+        let mesh = region.mesh();
+        let rows = rows(mesh, options);
+        let mut matrix = normal_matrix(&rows);
+        let edges = region.is_ambiguous().then(|| {
+            let edges = graph_laplacian(mesh).of_axes();
+            edges.combine(AMBIGUOUS * matrix.largest(), &edges, 0.0)
+        });
+        if let Some(edges) = &edges {
+            matrix = matrix.combine(1.0, edges, 1.0);
+        }
+        let system = ConstrainedSystem::of_blocks(matrix, region.constraints())?;
+        Ok(Self { system, rows, edges })
+    }
+
+    /// `B^T (B x)`.
+    fn product(&self, x: &[f64]) -> Vec<f64> {
+        let mut product = match &self.edges {
+            Some(edges) => edges.times(x),
+            None => vec![0.0; x.len()],
+        };
+        for row in &self.rows {
+            let at = |j: u32| 3 * j as usize..3 * j as usize + 3;
+            let sum: Vec3 = row.iter().map(|&(j, b)| b * Vec3::from_slice(&x[at(j)])).sum();
+            for &(j, b) in row {
+                let part = b.transpose() * sum;
+                product[at(j)].iter_mut().zip(part.to_array()).for_each(|(y, part)| *y += part);
+            }
+        }
+        product
+    }
+}
+
+fn rows(mesh: &Mesh, options: &Options) -> Vec<Row> {
+    let (laplacian, squares) = operator(mesh, options.weights);
+    let rest = mesh.rest();
+    laplacian
+        .rows()
+        .into_par_iter()
+        .zip(squares)
+        .map(|(row, square)| fit(rest, &row, square.sqrt()))
+        .collect()
+}
+
+/// `B_ij` of the row `scale a_ij`.
+fn fit(rest: &[Vec3], row: &[(u32, f64)], scale: f64) -> Row {
+    let mean = row.iter().map(|&(j, _)| rest[j as usize]).sum::<Vec3>() / row.len() as f64;
+    let arm = |j: u32| rest[j as usize] - mean;
+    let delta: Vec3 = row.iter().map(|&(j, a)| arm(j) * (a * scale)).sum();
+    let q: f64 = row.iter().map(|&(j, _)| arm(j).length_squared()).sum();
+    if q == 0.0 {
+        return row.iter().map(|&(j, a)| (j, Mat3::IDENTITY * (a * scale))).collect();
+    }
+    let spread = row.iter().fold(Mat3::ZERO, |sum, &(j, _)| sum + outer(arm(j), arm(j))) * (1.0 / q);
+    let turn = (Mat3::IDENTITY * (1.0 + LINE) - spread).inverse() * (1.0 / q);
+    let turned = cross(delta) * turn;
+    row.iter()
+        .map(|&(j, a)| {
+            let p = arm(j);
+            (j, Mat3::IDENTITY * (a * scale) - outer(delta, p) * (1.0 / q) + turned * cross(p))
+        })
+        .collect()
+}
+
+/// `[a]x`, `[a]x b = a x b`.
+fn cross(a: Vec3) -> Mat3 {
+    Mat3::from_cols(Vec3::new(0.0, a.z, -a.y), Vec3::new(-a.z, 0.0, a.x), Vec3::new(a.y, -a.x, 0.0))
+}
+
+/// Blocks `sum_i B_ij^T B_ik`.
+fn normal_matrix(rows: &[Row]) -> SymmetricMatrix {
+    let mut sums: Vec<Mat3> = vec![Mat3::ZERO; rows.len()];
+    let mut reached = vec![false; rows.len()];
+    SymmetricMatrix::from_blocks(rows.len(), |k, column| {
+        let mut ring: Vec<u32> = Vec::new();
+        for &(i, _) in &rows[k as usize] {
+            let row = &rows[i as usize];
+            let Ok(place) = row.binary_search_by_key(&k, |&(j, _)| j) else { continue };
+            let right = row[place].1;
+            for &(j, left) in row.iter().filter(|(j, _)| *j >= k) {
+                if !std::mem::replace(&mut reached[j as usize], true) {
+                    ring.push(j);
+                }
+                sums[j as usize] += left.transpose() * right;
+            }
+        }
+        ring.sort_unstable();
+        for j in ring {
+            column.push((j, std::mem::replace(&mut sums[j as usize], Mat3::ZERO)));
+            reached[j as usize] = false;
+        }
+    })
+}
+
+impl Response for LaplacianFitted {
+    fn displacements(&self, region: &Region, goal: &Goal) -> Vec<Vec3> {
+        self.displacements_of(region, std::slice::from_ref(goal)).swap_remove(0)
+    }
+
+    fn displacements_of(&self, _region: &Region, goals: &[Goal]) -> Vec<Vec<Vec3>> {
+        let vertices = self.rows.len();
+        let mut x = Columns::interleaved(vertices, goals.iter().map(|goal| goal.displacements.as_slice()));
+        self.system.minimise(&mut x, |x| self.product(x));
+        (0..goals.len()).map(|column| x.interleaved_vectors(column)).collect()
+    }
+
+    fn axes_couple(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,103 @@
+//! Thin shell, linearised (thesis of S. Zhou 2008, 1.2.3; Celniker & Gossard 1991; Welch & Witkin 1994;
+//! Botsch & Kobbelt 2004, An Intuitive Framework for Real-Time Freeform Modeling).
+//!
+//! ```text
+//!     min_d  k_s |grad d|^2 + k_b |Lap d|^2     that is     - k_s Lap d + k_b Lap^2 d = 0      (1-3)
+//! ```
+//!
+//! for the displacement `d`, with the cotangent Laplacian `L` and lumped areas `M`:
+//! `(k_s L + k_b L M^-1 L) d = 0`. The shell's own shape plays no part, so details keep their orientation.
+//!
+//! The equation is of fourth order: it meets given vertices in position and slope (`border` 1). Where bending
+//! is not counted at given vertices, it meets them in position alone, like a hinge (`border` 0; bending is
+//! then zero everywhere and the shell a membrane: Botsch & Kobbelt's smoothness parameter at 0). To meet
+//! them in curvature too (`border` 2), both terms go up by one order, as in their `Lap^3`:
+//! `k_s |Lap d|^2 + k_b |grad Lap d|^2`.
+
+use super::field::{inverse_mass, polyharmonic};
+use super::responses::{Response, axis_by_axis};
+use super::{Goal, Region};
+use crate::linear::{ConstrainedSystem, SymmetricMatrix};
+use crate::operators::cotangent::cotangent_laplacian;
+use crate::{Error, Fault, Result, Vec3};
+
+/// Options of the thin shell. Stiffnesses are meant in unit coordinates (box diagonal 1), where
+/// `sqrt(k_b / k_s)` is the length over which bending gives way to stretching.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// `k_s`, resistance to stretching; 0 or more.
+    pub stretching: f64,
+    /// `k_b`, resistance to bending; 0 or more, and not both 0.
+    pub bending: f64,
+    /// How the free surface meets given vertices: 0 in position, 1 in slope too, 2 in curvature too.
+    pub border: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { stretching: 1.0, bending: 2.0, border: 1 }
+    }
+}
+
+/// A thin shell bound to a region.
+#[derive(Debug)]
+pub struct ThinShell {
+    system: ConstrainedSystem,
+    laplacian: SymmetricMatrix,
+    inverse: Vec<f64>,
+    options: Options,
+}
+
+impl ThinShell {
+    /// Assembles and factors the shell's matrix.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidValue`] for negative stiffnesses, two zeros and another border;
+    /// [`Error::SolveFailed`] where the matrix cannot be factored.
+    pub fn new(region: &Region, options: &Options) -> Result<Self> {
+        let (k_s, k_b) = (options.stretching, options.bending);
+        for (name, stiffness) in [("k_s", k_s), ("k_b", k_b)] {
+            if !(stiffness >= 0.0 && stiffness.is_finite()) {
+                return Err(Error::InvalidValue(Fault::new(name, "must be a number of 0 or more")));
+            }
+        }
+        if k_s == 0.0 && k_b == 0.0 {
+            return Err(Error::InvalidValue(Fault::new("k_b", "must not be 0 where k_s is 0 too")));
+        }
+        let mesh = region.mesh();
+        let laplacian = cotangent_laplacian(mesh);
+        let mut inverse = inverse_mass(mesh);
+        if options.border == 0 {
+            let given = (0u32..).zip(&mut inverse).filter(|(v, _)| region.constraints().slot(*v).is_none());
+            given.for_each(|(_, inverse)| *inverse = 0.0);
+        }
+        let matrix = match options.border {
+            0 => laplacian.combine(k_s, &laplacian.sandwich(&inverse), k_b),
+            border => polyharmonic(mesh, border - 1)?.combine(k_s, &polyharmonic(mesh, border)?, k_b),
+        };
+        let system = ConstrainedSystem::new(&matrix, region.constraints().clone())?;
+        Ok(Self { system, laplacian, inverse, options: options.clone() })
+    }
+
+    /// `(k_s L + k_b L M^-1 L) x`, times `L M^-1` for border 2.
+    fn product(&self, x: &[f64]) -> Vec<f64> {
+        let (k_s, k_b) = (self.options.stretching, self.options.bending);
+        let bent = self.laplacian.times(x).into_iter().zip(&self.inverse);
+        let both: Vec<f64> = bent.zip(x).map(|((l, inverse), x)| k_s * x + k_b * inverse * l).collect();
+        match self.options.border {
+            2 => self.laplacian.sandwich_times(&self.inverse, &both),
+            _ => self.laplacian.times(&both),
+        }
+    }
+}
+
+impl Response for ThinShell {
+    fn displacements(&self, region: &Region, goal: &Goal) -> Vec<Vec3> {
+        self.displacements_of(region, std::slice::from_ref(goal)).swap_remove(0)
+    }
+
+    fn displacements_of(&self, _region: &Region, goals: &[Goal]) -> Vec<Vec<Vec3>> {
+        axis_by_axis(&self.system, goals, |x| self.product(x))
+    }
+}
