@@ -176,5 +176,5 @@ def test_options_are_checked():
         TypeError, match="'laplacian_fitted' has no option k_s; it has weights, constraints, weight"
     ):
         lissom.Pose(mesh, handles, method="laplacian_fitted", k_s=1)
-    with pytest.raises(lissom.InvalidValue, match="weights: 'mean' is none of cotangent, uniform"):
+    with pytest.raises(lissom.InvalidValue, match="weights: 'mean' is none of uniform, cotangent"):
         lissom.Pose(mesh, handles, method="laplacian_fitted", weights="mean")

@@ -19,7 +19,7 @@
 
 use rayon::prelude::*;
 
-use super::laplacian::{Options, operator};
+use super::laplacian::{Weights, operator};
 use super::responses::Response;
 use super::{Goal, Region};
 use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
@@ -34,6 +34,20 @@ const LINE: f64 = 1e-12;
 /// Weight of the edges of the displacement where the constraints leave a turn or a scale open, relative to
 /// the largest entry of the matrix: of all poses it picks one that moves as little as it may.
 const AMBIGUOUS: f64 = 1e-8;
+
+/// Options of fitted Laplacian editing.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// How neighbours are weighed. Uniform is the thesis's choice: its `delta` also has a part along the
+    /// surface, which tells turns where the surface is flat, where the cotangent one vanishes.
+    pub weights: Weights,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { weights: Weights::Uniform }
+    }
+}
 
 /// Fitted Laplacian editing bound to a region.
 #[derive(Debug)]
