@@ -95,7 +95,8 @@ impl<'py> Options<'py> {
             "laplacian_fitted" => {
                 let default = laplacian_fitted::Options::default();
                 let weights = self.weights(default.weights)?;
-                MethodOptions::LaplacianFitted(laplacian_fitted::Options { weights })
+                let scale = self.value("scale", default.scale)?;
+                MethodOptions::LaplacianFitted(laplacian_fitted::Options { weights, scale })
             }
             "thin_shell" => {
                 let default = thin_shell::Options::default();
@@ -131,7 +132,7 @@ impl<'py> Options<'py> {
 ///
 /// Every method has constraints="hard" | "soft" and weight=1.0 (of soft constraints). Further options:
 /// laplacian: weights="cotangent" | "uniform".
-/// laplacian_fitted: weights="uniform" | "cotangent".
+/// laplacian_fitted: weights="uniform" | "cotangent"; scale=True, whether details may grow as they turn.
 /// thin_shell: k_s=1.0 and k_b=2.0, the resistance to stretching and to bending of a mesh whose box has the
 /// diagonal 1; border=0 | 1 | 2, whether the free surface meets the rest in position, slope or curvature.
 ///
