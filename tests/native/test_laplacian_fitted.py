@@ -56,7 +56,7 @@ def test_agrees_with_the_dense_equations(weights, scale, constraints):
     vertices, faces = tube(bumps=0.1)
     assert len(vertices) > 2000
     row = np.arange(len(vertices)) // 32
-    roi, handle = np.flatnonzero((row > 30) & (row < 44)), np.flatnonzero((row == 37))
+    roi, handle = np.flatnonzero((row > 30) & (row < 44)), np.flatnonzero(row == 37)
     soft = 3.0 if constraints == "soft" else None
     motion = rigid((0.2, 1, 0.3), 0.5, (0.1, 0.4, 0.2))
     targets = moved(motion, vertices[handle])
