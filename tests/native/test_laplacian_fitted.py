@@ -15,7 +15,7 @@ def similarity(s, h, offset):
     return matrix
 
 
-def fitted_rows(v, f, weights):
+def fitted_rows(v, f, weights, scale):
     """Rows of sum |L(x)_i - T_i(x) delta_i|^2 (thesis 2-10), 3n x 3n, x0 y0 z0 x1 ...
 
     T_i = s I + [h]x by least squares over i and its neighbours, as in 2-13 but with a translation.
@@ -37,7 +37,8 @@ def fitted_rows(v, f, weights):
             [np.column_stack([v[j], np.cross(np.eye(3), v[j]).T, np.eye(3)]) for j in cell]
         )
         fit = np.linalg.pinv(equations)
-        detail = np.column_stack([delta[i], np.cross(np.eye(3), delta[i]).T]) @ fit[:4]
+        grow = delta[i] if scale else np.zeros(3)
+        detail = np.column_stack([grow, np.cross(np.eye(3), delta[i]).T]) @ fit[:4]
         for k, j in enumerate(cell):
             rows[3 * i : 3 * i + 3, 3 * j : 3 * j + 3] -= detail[:, 3 * k : 3 * k + 3]
     return rows
@@ -49,40 +50,44 @@ def test_the_reference_knows_the_cross_product():
     assert np.allclose(np.cross(np.eye(3), p).T @ h, np.cross(h, p))
 
 
-@pytest.mark.parametrize("weights", ["uniform", "cotangent"])
+@pytest.mark.parametrize(("weights", "scale"), [("uniform", True), ("cotangent", True), ("uniform", False)])
 @pytest.mark.parametrize("constraints", ["hard", "soft"])
-def test_agrees_with_the_dense_equations(weights, constraints):
+def test_agrees_with_the_dense_equations(weights, scale, constraints):
     vertices, faces = tube(bumps=0.1)
     assert len(vertices) > 2000
     row = np.arange(len(vertices)) // 32
-    roi, handle = np.flatnonzero((row > 30) & (row < 44)), np.flatnonzero((row == 37))
+    roi, handle = np.flatnonzero((row > 30) & (row < 44)), np.flatnonzero(row == 37)
     soft = 3.0 if constraints == "soft" else None
     motion = rigid((0.2, 1, 0.3), 0.5, (0.1, 0.4, 0.2))
     targets = moved(motion, vertices[handle])
 
     ids, local = window(faces, roi, 2)
-    scale = diagonal(vertices)
-    unit = vertices[ids] / scale
+    size = diagonal(vertices)
+    unit = vertices[ids] / size
     place = {v: k for k, v in enumerate(ids)}
     inside = np.array([place[v] for v in handle])
     outside = np.array([k for k, v in enumerate(ids) if v not in set(roi)])
     axes = lambda k: (3 * k[:, None] + np.arange(3)).ravel()  # noqa: E731
-    rows = fitted_rows(unit, local, weights)
+    rows = fitted_rows(unit, local, weights, scale)
     # Rows whose cells are cut off at the rim of the window name no free vertex.
     touched = np.abs(rows[:, axes(np.setdiff1d(np.arange(len(ids)), outside))]).sum(1) > 0
+    # Without scale T_i v_i = v_i + h x v_i, and the first term is on the right.
+    delta = np.zeros(len(rows)) if scale else rows @ unit.ravel()
     fixed = outside if soft else np.concatenate([outside, inside])
     values = unit[fixed].copy()
     if not soft:
-        values[len(outside) :] = targets / scale
-    pull = (axes(inside), soft, (targets / scale).ravel()) if soft else None
-    expected = minimise(rows[touched], np.zeros(touched.sum()), axes(fixed), values.ravel(), pull)
+        values[len(outside) :] = targets / size
+    pull = (axes(inside), soft, (targets / size).ravel()) if soft else None
+    expected = minimise(rows[touched], delta[touched], axes(fixed), values.ravel(), pull)
 
-    options = {"weights": weights, "constraints": constraints} | ({"weight": soft} if soft else {})
+    options = {"weights": weights, "scale": scale, "constraints": constraints} | (
+        {"weight": soft} if soft else {}
+    )
     mesh = lissom.Mesh(vertices, faces)
     pose = lissom.Pose(mesh, [handle], roi=roi, method="laplacian_fitted", **options)
     for result in (pose.solve([motion]), pose.solve_points(targets)):
-        error = np.abs(result.vertices[ids] - expected.reshape(-1, 3) * scale).max()
-        assert error < 1e-8 * scale
+        error = np.abs(result.vertices[ids] - expected.reshape(-1, 3) * size).max()
+        assert error < 1e-8 * size
         assert np.array_equal(np.delete(result.vertices, roi, 0), np.delete(vertices, roi, 0))
 
 
@@ -108,6 +113,14 @@ def test_similar_handles_take_everything_along(weights, constraints, motion):
     by_points = pose.solve_points(np.concatenate([expected[handle] for handle in ends(vertices)])).vertices
     for result in (by_matrix, by_points):
         assert np.abs(result - expected).max() < 1e-8 * diagonal(vertices)
+
+
+def test_without_scale_small_turns_are_reproduced():
+    vertices, faces = tube()
+    pose = lissom.Pose(lissom.Mesh(vertices, faces), ends(vertices), method="laplacian_fitted", scale=False)
+    motion = similarity(1.0, (0.3, -1.1, 0.6), (5, 1, -2))
+    error = np.abs(pose.solve([motion] * 2).vertices - moved(motion, vertices)).max()
+    assert error < 1e-8 * diagonal(vertices)
 
 
 def test_details_turn_where_plain_laplacians_do_not():
@@ -161,9 +174,7 @@ def test_answers_are_the_same_in_any_frame_of_the_handles():
     around = np.eye(4)
     around[:3, :3] = turn
     straight = lissom.Pose(lissom.Mesh(vertices, faces), ends(vertices), method="laplacian_fitted")
-    turned = lissom.Pose(
-        lissom.Mesh(vertices @ turn.T, faces), ends(vertices), method="laplacian_fitted", weights="cotangent"
-    )
+    turned = lissom.Pose(lissom.Mesh(vertices @ turn.T, faces), ends(vertices), method="laplacian_fitted")
     first = straight.solve([np.eye(4), motion]).vertices
     second = turned.solve([np.eye(4), around @ motion @ around.T]).vertices
     assert np.abs(first @ turn.T - second).max() < 1e-8 * diagonal(vertices)
@@ -173,8 +184,8 @@ def test_options_are_checked():
     vertices, faces = tube()
     mesh, handles = lissom.Mesh(vertices, faces), ends(vertices)
     with pytest.raises(
-        TypeError, match="'laplacian_fitted' has no option k_s; it has weights, constraints, weight"
+        TypeError, match="'laplacian_fitted' has no option k_s; it has weights, scale, constraints, weight"
     ):
         lissom.Pose(mesh, handles, method="laplacian_fitted", k_s=1)
-    with pytest.raises(lissom.InvalidValue, match="weights: 'mean' is none of cotangent, uniform"):
+    with pytest.raises(lissom.InvalidValue, match="weights: 'mean' is none of uniform, cotangent"):
         lissom.Pose(mesh, handles, method="laplacian_fitted", weights="mean")

@@ -4,7 +4,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use lissom::Job;
 use lissom::pose::{
-    Handle, Hold, METHODS, MethodOptions, Pose, Posed, Report, SolveOptions, arap, laplacian, thin_shell,
+    Handle, Hold, METHODS, MethodOptions, Pose, Posed, Report, SolveOptions, arap, laplacian,
+    laplacian_fitted, thin_shell,
 };
 use lissom::{Error, Fault, Vec3};
 use pyo3::exceptions::PyTypeError;
@@ -77,16 +78,26 @@ impl<'py> Options<'py> {
         Ok(if soft { Hold::Soft(weight) } else { Hold::Hard })
     }
 
-    fn laplacian(&mut self) -> PyResult<laplacian::Options> {
-        let kinds = [("cotangent", laplacian::Weights::Cotangent), ("uniform", laplacian::Weights::Uniform)];
-        Ok(laplacian::Options { weights: self.choice("weights", &kinds)? })
+    fn weights(&mut self, default: laplacian::Weights) -> PyResult<laplacian::Weights> {
+        let mut kinds =
+            [("cotangent", laplacian::Weights::Cotangent), ("uniform", laplacian::Weights::Uniform)];
+        kinds.sort_by_key(|kind| kind.1 != default);
+        self.choice("weights", &kinds)
     }
 
     /// The options of one method.
     fn method(&mut self) -> PyResult<MethodOptions> {
         Ok(match self.method.as_str() {
-            "laplacian" => MethodOptions::Laplacian(self.laplacian()?),
-            "laplacian_fitted" => MethodOptions::LaplacianFitted(self.laplacian()?),
+            "laplacian" => {
+                let default = laplacian::Options::default();
+                MethodOptions::Laplacian(laplacian::Options { weights: self.weights(default.weights)? })
+            }
+            "laplacian_fitted" => {
+                let default = laplacian_fitted::Options::default();
+                let weights = self.weights(default.weights)?;
+                let scale = self.value("scale", default.scale)?;
+                MethodOptions::LaplacianFitted(laplacian_fitted::Options { weights, scale })
+            }
             "thin_shell" => {
                 let default = thin_shell::Options::default();
                 MethodOptions::ThinShell(thin_shell::Options {
@@ -128,7 +139,8 @@ impl<'py> Options<'py> {
 /// solving is then quick.
 ///
 /// Every method has constraints="hard" | "soft" and weight=1.0 (of soft constraints). Further options:
-/// laplacian, laplacian_fitted: weights="cotangent" | "uniform".
+/// laplacian: weights="cotangent" | "uniform".
+/// laplacian_fitted: weights="uniform" | "cotangent"; scale=True, whether details may grow as they turn.
 /// thin_shell: k_s=1.0 and k_b=2.0, the resistance to stretching and to bending of a mesh whose box has the
 /// diagonal 1; border=0 | 1 | 2, whether the free surface meets the rest in position, slope or curvature.
 /// arap: cells="spokes_and_rims" | "spokes"; rotation_smoothing=0.0, how much neighbours' rotations must

@@ -14,12 +14,14 @@
 //! `s = sum p_j . x_j / q`, `h = K^-1 sum p_j x x_j`: scale and turn do not mix. So the term of vertex `i` is
 //! linear, `sum_j B_ij x_j` with 3 x 3 blocks `B_ij = a_ij I - delta p_j^T / q + [delta]x K^-1 [p_j]x`. It
 //! vanishes for `x = v`, where `T_i = I`, hence the unknown may as well be the displacement `d = x - v`.
+//! Without scale, `s = 1`, the second part of `B_ij` is left out.
+//!
 //! The normal matrix, 3n x 3n, has the blocks `sum_i B_ij^T B_ik`: two rings wide, and assembled from them
 //! directly, block column by block column (thesis 2.4.2).
 
 use rayon::prelude::*;
 
-use super::laplacian::{Options, operator};
+use super::laplacian::{Weights, operator};
 use super::responses::Response;
 use super::{Goal, Region};
 use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
@@ -34,6 +36,22 @@ const LINE: f64 = 1e-12;
 /// Weight of the edges of the displacement where the constraints leave a turn or a scale open, relative to
 /// the largest entry of the matrix: of all poses it picks one that moves as little as it may.
 const AMBIGUOUS: f64 = 1e-8;
+
+/// Options of fitted Laplacian editing.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// How neighbours are weighed. Uniform is the thesis's choice: its `delta` also has a part along the
+    /// surface, which tells turns where the surface is flat, where the cotangent one vanishes.
+    pub weights: Weights,
+    /// Whether details may grow, `s I + [h]x`, or turn only, `I + [h]x`.
+    pub scale: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { weights: Weights::Uniform, scale: true }
+    }
+}
 
 /// Fitted Laplacian editing bound to a region.
 #[derive(Debug)]
@@ -93,12 +111,12 @@ fn rows(mesh: &Mesh, options: &Options) -> Vec<Row> {
         .rows()
         .into_par_iter()
         .zip(squares)
-        .map(|(row, square)| fit(rest, &row, square.sqrt()))
+        .map(|(row, square)| fit(rest, &row, square.sqrt(), options.scale))
         .collect()
 }
 
 /// `B_ij` of the row `scale a_ij`.
-fn fit(rest: &[Vec3], row: &[(u32, f64)], scale: f64) -> Row {
+fn fit(rest: &[Vec3], row: &[(u32, f64)], scale: f64, grow: bool) -> Row {
     let mean = row.iter().map(|&(j, _)| rest[j as usize]).sum::<Vec3>() / row.len() as f64;
     let arm = |j: u32| rest[j as usize] - mean;
     let delta: Vec3 = row.iter().map(|&(j, a)| arm(j) * (a * scale)).sum();
@@ -109,10 +127,11 @@ fn fit(rest: &[Vec3], row: &[(u32, f64)], scale: f64) -> Row {
     let spread = row.iter().fold(Mat3::ZERO, |sum, &(j, _)| sum + outer(arm(j), arm(j))) * (1.0 / q);
     let turn = (Mat3::IDENTITY * (1.0 + LINE) - spread).inverse() * (1.0 / q);
     let turned = cross(delta) * turn;
+    let grown = if grow { delta * (1.0 / q) } else { Vec3::ZERO };
     row.iter()
         .map(|&(j, a)| {
             let p = arm(j);
-            (j, Mat3::IDENTITY * (a * scale) - outer(delta, p) * (1.0 / q) + turned * cross(p))
+            (j, Mat3::IDENTITY * (a * scale) - outer(grown, p) + turned * cross(p))
         })
         .collect()
 }

@@ -38,7 +38,7 @@ pub enum MethodOptions {
     /// [`laplacian`]
     Laplacian(laplacian::Options),
     /// [`laplacian_fitted`]
-    LaplacianFitted(laplacian::Options),
+    LaplacianFitted(laplacian_fitted::Options),
     /// [`thin_shell`]
     ThinShell(thin_shell::Options),
     /// [`arap`]

@@ -125,16 +125,22 @@ impl Responses {
                 [change.x_axis, change.y_axis, change.z_axis, m.offset]
             })
             .collect();
+        // Reading the responses is what a frame costs, so those to entries of 0 are not.
         match self {
-            Self::Scalar(responses) => (responses.par_chunks(columns.len()))
-                .with_min_len(1024)
-                .map(|row| row.iter().zip(&columns).fold(Vec3::ZERO, |sum, (&b, &column)| sum + column * b))
-                .collect(),
+            Self::Scalar(responses) => {
+                let moving: Vec<(usize, Vec3)> =
+                    columns.iter().copied().enumerate().filter(|(_, column)| *column != Vec3::ZERO).collect();
+                (responses.par_chunks(columns.len()))
+                    .with_min_len(1024)
+                    .map(|row| moving.iter().fold(Vec3::ZERO, |sum, &(k, column)| sum + column * row[k]))
+                    .collect()
+            }
             Self::Vector(responses) => {
-                let entries: Vec<f64> = columns.iter().flat_map(Vec3::to_array).collect();
+                let entries = columns.iter().flat_map(Vec3::to_array).enumerate();
+                let moving: Vec<(usize, f64)> = entries.filter(|(_, m)| *m != 0.0).collect();
                 (responses.par_chunks(responses.len() / vertices))
                     .with_min_len(1024)
-                    .map(|row| row.iter().zip(&entries).fold(Vec3::ZERO, |sum, (&b, &m)| sum + b * m))
+                    .map(|row| moving.iter().fold(Vec3::ZERO, |sum, &(k, m)| sum + row[k] * m))
                     .collect()
             }
         }
