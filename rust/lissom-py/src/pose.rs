@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use lissom::Job;
 use lissom::pose::{
     Handle, Hold, METHODS, MethodOptions, Pose, Posed, Report, SolveOptions, arap, laplacian,
+    multiresolution, poisson, rotation_invariant,
 };
 use lissom::{Error, Fault, Vec3};
 use pyo3::exceptions::PyTypeError;
@@ -77,18 +78,44 @@ impl<'py> Options<'py> {
         Ok(if soft { Hold::Soft(weight) } else { Hold::Hard })
     }
 
-    /// The options of one method.
-    fn method(&mut self) -> PyResult<MethodOptions> {
-        Ok(match self.method.as_str() {
+    /// The options of the method that `argument` names.
+    fn method(&mut self, argument: &'static str, name: &str) -> PyResult<MethodOptions> {
+        Ok(match name {
             "laplacian" => {
                 let kinds =
                     [("cotangent", laplacian::Weights::Cotangent), ("uniform", laplacian::Weights::Uniform)];
                 MethodOptions::Laplacian(laplacian::Options { weights: self.choice("weights", &kinds)? })
             }
+            "rotation_invariant" => {
+                use rotation_invariant::{Frames, Interpolation};
+                let frames = [("uniform", Frames::Uniform), ("principal", Frames::Principal)];
+                let interpolation =
+                    [("rotation_vector", Interpolation::RotationVector), ("matrix", Interpolation::Matrix)];
+                MethodOptions::RotationInvariant(rotation_invariant::Options {
+                    frames: self.choice("frames", &frames)?,
+                    interpolation: self.choice("interpolation", &interpolation)?,
+                    project: self.value("project", true)?,
+                })
+            }
+            "poisson" => {
+                let default = poisson::Options::default();
+                MethodOptions::Poisson(poisson::Options { border: self.value("border", default.border)? })
+            }
+            "multiresolution" => {
+                use multiresolution::{Details, Options};
+                let default = Options::default();
+                let details = [("gradients", Details::Gradients), ("offsets", Details::Offsets)];
+                let smoothing = self.value("smoothing", default.smoothing)?;
+                let details = self.choice("details", &details)?;
+                let base: String = self.value("base", "poisson".to_owned())?;
+                // All further options are the base's.
+                let base = Box::new(self.method("base", &base)?);
+                MethodOptions::Multiresolution(Options { base, smoothing, details })
+            }
             "arap" => MethodOptions::Arap(arap::Options::default()),
             other => {
                 let problem = format!("no method named '{other}', there are {}", METHODS.join(", "));
-                let error = Error::InvalidValue(Fault::new("method", problem));
+                let error = Error::InvalidValue(Fault::new(argument, problem));
                 return Err(errors::to_python(self.given.py(), error));
             }
         })
@@ -111,6 +138,11 @@ impl<'py> Options<'py> {
 ///
 /// Every method has constraints="hard" | "soft" and weight=1.0 (of soft constraints). Further options:
 /// laplacian: weights="cotangent" | "uniform".
+/// rotation_invariant: frames="uniform" | "principal", interpolation="rotation_vector" | "matrix",
+/// project=True (matrices to rotations).
+/// poisson: border=0 | 1 | 2, the order of smoothness of the blending weights.
+/// multiresolution: base="poisson" or any other method, whose options may be given too; smoothing=0.2, the
+/// wave length below which shape is detail, as a fraction of the diagonal; details="gradients" | "offsets".
 ///
 /// Raises InvalidConstraint for no or empty handles, a vertex in two handles, indices out of range and
 /// an empty region, InvalidValue for an unknown method or option value, SolveFailed where the system
@@ -174,7 +206,7 @@ impl PyPose {
         let roi = roi.map(|roi| arrays::vertex_list("roi", roi)).transpose()?;
         let given = options.map_or_else(|| Ok(PyDict::new(py)), |given| given.copy())?;
         let mut options = Options { method: method.to_owned(), given, known: Vec::new() };
-        let (method, hold) = (options.method()?, options.hold()?);
+        let (method, hold) = (options.method("method", method)?, options.hold()?);
         options.finish()?;
         let shared = mesh.get().0.clone();
         let pose = run_value(py, move |_| Pose::new(shared, handles, roi.as_deref(), hold, &method))?;

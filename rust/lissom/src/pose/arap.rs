@@ -22,7 +22,7 @@ use super::anderson::Anderson;
 use super::field::Field;
 use super::{Goal, Method, Region, Solution, SolveOptions};
 use crate::operators::gradient::outer;
-use crate::rotation::{exp, nearest_rotation};
+use crate::rotation::nearest_rotation;
 use crate::stitch::Stitcher;
 use crate::{Job, Mat3, Mesh, Result, Vec3};
 
@@ -55,10 +55,7 @@ impl Arap {
     /// given vertices move by the same rigid motion, that motion.
     fn guess(&self, region: &Region, goal: &Goal) -> Vec<Mat3> {
         let mesh = region.mesh();
-        let field = region.at_handles(|h| goal.handles[h].rotation);
-        let field = Field::spread(self.stitcher.system(), &field);
-        let rotations: Vec<Mat3> = field.into_par_iter().map(exp).collect();
-        corner_means(mesh, &rotations)
+        corner_means(mesh, &Field::rotations(self.stitcher.system(), region, goal))
     }
 }
 

@@ -72,7 +72,8 @@ impl<M: Response> Linear<M> {
 
 /// One entry of one handle's `[A - I | b]` is 1, all others 0.
 fn unit_goal(region: &Region, handles: usize, handle: usize, column: usize, axis: usize) -> Goal {
-    let still = Motion { rotation: Vec3::ZERO, linear: Mat3::IDENTITY, offset: Vec3::ZERO };
+    let (zero, linear) = (Vec3::ZERO, Mat3::IDENTITY);
+    let still = Motion { rotation: zero, whole_turns: zero, linear, offset: zero };
     let mut motions = vec![still; handles];
     let mut change = Mat3::ZERO;
     if column < 3 {
@@ -126,6 +127,6 @@ impl<M: Response> Method for Linear<M> {
         } else {
             self.method.displacements(region, goal)
         };
-        Ok(Solution { displacements, iterations: 1, energy: None, converged: true })
+        Ok(Solution::direct(displacements))
     }
 }
