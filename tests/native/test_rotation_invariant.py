@@ -10,8 +10,10 @@ from shapes import bend, diagonal, ends, moved, prism, rigid, rotation, tube
 
 MOTION = rigid((0, 1, 2), 0.8, (0.2, 0.5, 0.1))
 EVERY = [
-    {"interpolation": i, "project": p, "frames": f}
-    for i, p, f in itertools.product(("rotation_vector", "matrix"), (True, False), ("uniform", "principal"))
+    {"interpolation": i, "project": p, "frames": f, "weights": w}
+    for i, p, f, w in itertools.product(
+        ("rotation_vector", "matrix"), (True, False), ("uniform", "principal"), ("cotangent", "uniform")
+    )
 ]
 
 
@@ -45,7 +47,7 @@ def eliminate(rows, rhs, given, values):
 
 
 def thesis(v, f, given, rotations, targets, project, random):
-    """Equations 3-17 for frames (3n unknown vectors), then 3-18 for positions, both by dense least squares."""
+    """Equations 3-17 for frames (3n unknown vectors), then 3-18 for positions, by dense least squares."""
     n, frames = len(v), rest_frames(v, f, random)
     directed = np.concatenate([edges(f), edges(f)[:, ::-1]])
     rows = np.zeros((3 * len(directed), 3 * n))
@@ -79,7 +81,7 @@ def test_agrees_with_the_frame_equations_whatever_the_tangents(project, seed):
     turns = np.concatenate([np.tile(np.eye(3), (len(low), 1, 1)), np.tile(MOTION[:3, :3], (len(high), 1, 1))])
     random = np.random.default_rng(seed)
     expected = thesis(vertices, faces, given, turns, targets, project, random)
-    pose = bound(vertices, faces, [low, high], interpolation="matrix", project=project)
+    pose = bound(vertices, faces, [low, high], weights="uniform", interpolation="matrix", project=project)
     result = pose.solve([np.eye(4), MOTION])
     assert np.abs(result.vertices - expected).max() < 1e-8 * diagonal(vertices)
     by_points = pose.solve_points(targets)
@@ -100,7 +102,7 @@ def test_rigid_motions_are_reproduced(options, constraints):
 def test_half_a_turn_of_points_is_reproduced(interpolation):
     # Here rounding decides the sign of each handle's rotation vector.
     vertices, faces = tube()
-    handles = [h for h in np.array_split(np.concatenate(ends(vertices)), 6)]
+    handles = np.array_split(np.concatenate(ends(vertices)), 6)
     pose = bound(vertices, faces, handles, interpolation=interpolation)
     random = np.random.default_rng(3)
     for axis in random.normal(size=(5, 3)):
@@ -129,12 +131,13 @@ def test_whole_turns_come_out_whole(turns):
     twist = ring_twist(vertices, result, rows, columns)
     assert np.isclose(twist[-1] - twist[0], angle, rtol=0, atol=1e-9)
     middle = twist[20:-20]
-    assert np.allclose(np.diff(middle), np.diff(middle).mean(), rtol=0.06, atol=0)
-    # Least squares thins or widens a twisted bar, which way depends on how its quads are cut.
+    assert np.allclose(np.diff(middle), np.diff(middle).mean(), rtol=0.08, atol=0)
+    # Least squares thins a twisted bar, by about one over 1 + (radius times twist per length)^2.
     rings = result[: rows * columns].reshape(rows, columns, 3)[:, :, 1:]
     rest = vertices[: rows * columns].reshape(rows, columns, 3)[:, :, 1:]
     ratio = np.linalg.norm(rings - rings.mean(1, keepdims=True), axis=2) / np.linalg.norm(rest, axis=2)
-    assert ratio.min() > 0.8 and ratio.max() < 1.2
+    corner = np.sqrt(0.5) * np.diff(middle).mean() / (12 / (rows - 1))
+    assert ratio.min() > 0.95 / (1 + corner**2) and ratio.max() < 1 + 1e-9
     # Without turns, the matrix alone says the least rotation.
     least = ring_twist(vertices, pose.solve(goal).vertices, rows, columns)
     expected = abs(angle - 2 * np.pi * np.round(turns))
@@ -217,7 +220,9 @@ def test_options_are_checked():
         bound(vertices, faces, handles, interpolation="log")
     with pytest.raises(TypeError, match="project: cannot be 'yes'"):
         bound(vertices, faces, handles, project="yes")
-    with pytest.raises(TypeError, match="has no option border; it has frames, interpolation, project"):
+    with pytest.raises(
+        TypeError, match="has no option border; it has weights, frames, interpolation, project"
+    ):
         bound(vertices, faces, handles, border=1)
     with pytest.raises(lissom.InvalidConstraint, match="1 rotation vectors for 2 handles"):
         bound(vertices, faces, handles).solve([MOTION] * 2, turns=[[0, 0, 1]])

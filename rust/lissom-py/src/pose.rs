@@ -46,6 +46,9 @@ fn posed(py: Python<'_>, posed: Posed) -> PyResult<Py<PyAny>> {
     Ok(Py::new(py, PyPosed { vertices, report })?.into_any())
 }
 
+const WEIGHTS: [(&str, laplacian::Weights); 2] =
+    [("cotangent", laplacian::Weights::Cotangent), ("uniform", laplacian::Weights::Uniform)];
+
 /// Keyword options, taken one by one; what is left over at the end was not asked for.
 struct Options<'py> {
     method: String,
@@ -82,9 +85,7 @@ impl<'py> Options<'py> {
     fn method(&mut self, argument: &'static str, name: &str) -> PyResult<MethodOptions> {
         Ok(match name {
             "laplacian" => {
-                let kinds =
-                    [("cotangent", laplacian::Weights::Cotangent), ("uniform", laplacian::Weights::Uniform)];
-                MethodOptions::Laplacian(laplacian::Options { weights: self.choice("weights", &kinds)? })
+                MethodOptions::Laplacian(laplacian::Options { weights: self.choice("weights", &WEIGHTS)? })
             }
             "rotation_invariant" => {
                 use rotation_invariant::{Frames, Interpolation};
@@ -92,6 +93,7 @@ impl<'py> Options<'py> {
                 let interpolation =
                     [("rotation_vector", Interpolation::RotationVector), ("matrix", Interpolation::Matrix)];
                 MethodOptions::RotationInvariant(rotation_invariant::Options {
+                    weights: self.choice("weights", &WEIGHTS)?,
                     frames: self.choice("frames", &frames)?,
                     interpolation: self.choice("interpolation", &interpolation)?,
                     project: self.value("project", true)?,
@@ -138,8 +140,8 @@ impl<'py> Options<'py> {
 ///
 /// Every method has constraints="hard" | "soft" and weight=1.0 (of soft constraints). Further options:
 /// laplacian: weights="cotangent" | "uniform".
-/// rotation_invariant: frames="uniform" | "principal", interpolation="rotation_vector" | "matrix",
-/// project=True (matrices to rotations).
+/// rotation_invariant: weights="cotangent" | "uniform" (the thesis), frames="uniform" | "principal",
+/// interpolation="rotation_vector" | "matrix" (the thesis), project=True (matrices to rotations).
 /// poisson: border=0 | 1 | 2, the order of smoothness of the blending weights.
 /// multiresolution: base="poisson" or any other method, whose options may be given too; smoothing=0.2, the
 /// wave length below which shape is detail, as a fraction of the diagonal; details="gradients" | "offsets".

@@ -19,7 +19,7 @@
 use rayon::prelude::*;
 
 use super::anderson::Anderson;
-use super::field::Field;
+use super::field;
 use super::{Goal, Method, Region, Solution, SolveOptions};
 use crate::operators::gradient::outer;
 use crate::rotation::nearest_rotation;
@@ -55,7 +55,7 @@ impl Arap {
     /// given vertices move by the same rigid motion, that motion.
     fn guess(&self, region: &Region, goal: &Goal) -> Vec<Mat3> {
         let mesh = region.mesh();
-        corner_means(mesh, &Field::rotations(self.stitcher.system(), region, goal))
+        corner_means(mesh, &field::rotations(self.stitcher.system(), region, goal))
     }
 }
 

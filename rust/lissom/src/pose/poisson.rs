@@ -15,8 +15,9 @@
 
 use rayon::prelude::*;
 
-use super::field::Field;
+use super::field::{of_handles, smooth_system};
 use super::{Goal, Method, Motion, Region, Solution, SolveOptions};
+use crate::linear::ConstrainedSystem;
 use crate::rotation::{exp, polar};
 use crate::stitch::Stitcher;
 use crate::{Job, Mat3, Result, Vec3};
@@ -35,8 +36,8 @@ pub struct Options {
 /// Poisson editing bound to a region.
 #[derive(Debug)]
 pub struct Poisson {
-    /// The field of the weights, where its system is not that of the stitcher.
-    smooth: Option<Field>,
+    /// The system of the weights, where its system is not that of the stitcher.
+    smooth: Option<ConstrainedSystem>,
     stitcher: Stitcher,
 }
 
@@ -48,7 +49,7 @@ impl Poisson {
     /// [`crate::Error::InvalidValue`] for a border that is not 0, 1 or 2, [`crate::Error::SolveFailed`]
     /// where a system cannot be factored.
     pub fn new(region: &Region, options: &Options) -> Result<Self> {
-        let smooth = if options.border == 0 { None } else { Some(Field::new(region, options.border)?) };
+        let smooth = if options.border == 0 { None } else { Some(smooth_system(region, options.border)?) };
         let stitcher = Stitcher::new(region.mesh(), region.constraints().clone())?;
         Ok(Self { smooth, stitcher })
     }
@@ -56,8 +57,8 @@ impl Poisson {
     /// `C_t` of every triangle.
     fn targets(&self, region: &Region, goal: &Goal) -> Vec<Mat3> {
         let vectors: Vec<[Vec3; 4]> = goal.handles.iter().map(to_vectors).collect();
-        let system = self.smooth.as_ref().map_or(self.stitcher.system(), Field::system);
-        let fields = Field::of_handles(system, region, &vectors);
+        let system = self.smooth.as_ref().unwrap_or(self.stitcher.system());
+        let fields = of_handles(system, region, &vectors);
         let blend = |t: &[u32; 3]| {
             let mean = |of: &Vec<Vec3>| t.iter().map(|&v| of[v as usize]).sum::<Vec3>() / 3.0;
             let [rotation, whole, diagonal, mixed] = fields.each_ref().map(mean);

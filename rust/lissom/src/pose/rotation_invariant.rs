@@ -7,11 +7,11 @@
 //!
 //! ```text
 //!     min_R  sum over edges ij  w_ij | R_j - R_i |^2                                  R given at handles
-//!     min_x  1/2 sum_i sum_{j at i}  | x_j - x_i - R_i (v_j - v_i) |^2      (3-18)    x given at handles
+//!     min_x  1/2 sum_i sum_{j at i}  w_ij | x_j - x_i - R_i (v_j - v_i) |^2     (3-18)    x given at handles
 //! ```
 //!
-//! Both have the graph Laplacian for a matrix where `w = 1`, and share its factor. The thesis builds
-//! frames on principal directions (chapter 4), which by the above cannot change the solution; what can
+//! Both have one Laplacian for a matrix and share its factor. The thesis has `w = 1`; cotangents keep the
+//! triangles' shapes out of the result, which on irregular meshes is far smoother. The thesis builds frames on principal directions (chapter 4), which by the above cannot change the solution; what can
 //! is to weigh the equations by them, and that is what [`Frames::Principal`] does.
 //!
 //! Means of rotation matrices vanish half way to a handle that is turned by 180 degrees, and know no
@@ -19,10 +19,10 @@
 
 use rayon::prelude::*;
 
-use super::field::Field;
+use super::field;
+pub use super::laplacian::Weights;
 use super::{Goal, Linear, Method, Region, Response, Solution, SolveOptions};
 use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
-use crate::operators::graph::graph_laplacian;
 use crate::operators::principal::{Principal, principal_directions};
 use crate::rotation::{exp, nearest_rotation};
 use crate::{Job, Mat3, Mesh, Result, Vec3};
@@ -56,6 +56,8 @@ pub enum Interpolation {
 /// Options of rotation-invariant coordinates.
 #[derive(Debug, Clone)]
 pub struct Options {
+    /// How neighbours are weighed.
+    pub weights: Weights,
     /// How frame equations are weighed.
     pub frames: Frames,
     /// What is spread.
@@ -67,7 +69,12 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { frames: Frames::default(), interpolation: Interpolation::default(), project: true }
+        Self {
+            weights: Weights::default(),
+            frames: Frames::default(),
+            interpolation: Interpolation::default(),
+            project: true,
+        }
     }
 }
 
@@ -75,6 +82,8 @@ impl Default for Options {
 #[derive(Debug)]
 pub struct RotationInvariant {
     options: Options,
+    /// `w` of every edge.
+    weights: Vec<f64>,
     positions: ConstrainedSystem,
     /// The system of the frames, where it is another one.
     frames: Option<ConstrainedSystem>,
@@ -94,22 +103,24 @@ pub fn bind(region: &Region, options: &Options) -> Result<Box<dyn Method>> {
 impl RotationInvariant {
     fn new(region: &Region, options: &Options) -> Result<Self> {
         let (mesh, constraints) = (region.mesh(), region.constraints());
-        let positions = ConstrainedSystem::new(&graph_laplacian(mesh), constraints.clone())?;
+        let weights = edge_weights(mesh, options.weights);
+        let positions = ConstrainedSystem::new(&laplacian(mesh, &weights), constraints.clone())?;
         let frames = match options.frames {
             Frames::Uniform => None,
             Frames::Principal => {
-                let (matrix, symbolic) = (principal_laplacian(mesh), positions.symbolic());
+                let weights = principal_weights(mesh, &weights);
+                let (matrix, symbolic) = (laplacian(mesh, &weights), positions.symbolic());
                 Some(ConstrainedSystem::with_symbolic(&matrix, constraints.clone(), Some(symbolic))?)
             }
         };
-        Ok(Self { options: options.clone(), positions, frames })
+        Ok(Self { options: options.clone(), weights, positions, frames })
     }
 
     /// `R_i` of every vertex.
     fn rotations(&self, region: &Region, goal: &Goal) -> Vec<Mat3> {
         let system = self.frames.as_ref().unwrap_or(&self.positions);
         if self.options.interpolation == Interpolation::RotationVector {
-            return Field::rotations(system, region, goal);
+            return field::rotations(system, region, goal);
         }
         let matrix = |h: usize| {
             let motion = &goal.handles[h];
@@ -121,7 +132,7 @@ impl RotationInvariant {
             let given = region.at_handles(|h| (matrix(h) - Mat3::IDENTITY).col(column));
             given.into_iter().enumerate().for_each(|(v, value)| block.set_vector(column, v, value));
         }
-        system.solve(&Columns::zeros(block.rows(), 9), &mut block);
+        field::spread(system, &mut block);
         let columns = [0, 1, 2].map(|column| block.vectors(column));
         let sum = |v| Mat3::IDENTITY + Mat3::from_cols(columns[0][v], columns[1][v], columns[2][v]);
         let rotation = |v| if self.options.project { nearest_rotation(sum(v)) } else { sum(v) };
@@ -134,9 +145,10 @@ impl Response for RotationInvariant {
         let rotations = self.rotations(region, goal);
         let (mesh, rest) = (region.mesh(), region.mesh().rest());
         let mut asked = vec![Vec3::ZERO; rest.len()];
-        for [i, j] in mesh.adjacency().edges().iter().map(|edge| edge.map(|v| v as usize)) {
+        for (&[i, j], &w) in mesh.adjacency().edges().iter().zip(&self.weights) {
+            let (i, j) = (i as usize, j as usize);
             let mean = (rotations[i] + rotations[j]) * 0.5;
-            let change = (mean - Mat3::IDENTITY) * (rest[j] - rest[i]);
+            let change = (mean - Mat3::IDENTITY) * (rest[j] - rest[i]) * w;
             asked[i] -= change;
             asked[j] += change;
         }
@@ -153,10 +165,32 @@ impl Method for RotationInvariant {
     }
 }
 
-/// The graph Laplacian with edges weighed by their alignment with the direction of largest curvature,
-/// `1 + a cos 2 psi` at either end, where `psi` is the angle between edge and direction and the
-/// anisotropy `a` is 1 where the surface curves in one direction only, 0 where in all alike.
-fn principal_laplacian(mesh: &Mesh) -> SymmetricMatrix {
+fn laplacian(mesh: &Mesh, weights: &[f64]) -> SymmetricMatrix {
+    let edges = mesh.adjacency().edges().iter().zip(weights).map(|(&[i, j], &w)| (i, j, w));
+    SymmetricMatrix::laplacian(mesh.rest().len(), edges)
+}
+
+/// 1, or the sum of half the cotangents opposite.
+fn edge_weights(mesh: &Mesh, weights: Weights) -> Vec<f64> {
+    let edges = mesh.adjacency().edges();
+    if weights == Weights::Uniform {
+        return vec![1.0; edges.len()];
+    }
+    let opposite = |edge: [u32; 2], t: usize| {
+        let apex = mesh.triangles()[t].iter().position(|v| !edge.contains(v));
+        apex.map_or(0.0, |corner| mesh.half_cotangents()[t][corner])
+    };
+    let sum = |(e, &edge): (usize, &[u32; 2])| {
+        let sides = mesh.adjacency().sides_of(e).iter();
+        sides.map(|side| opposite(edge, side.triangle as usize)).sum()
+    };
+    edges.iter().enumerate().map(sum).collect()
+}
+
+/// The weights times the edges' alignment with the direction of largest curvature, `1 + a cos 2 psi` at
+/// either end, where `psi` is the angle between edge and direction and the anisotropy `a` is 1 where the
+/// surface curves in one direction only, 0 where in all alike.
+fn principal_weights(mesh: &Mesh, weights: &[f64]) -> Vec<f64> {
     let principal = principal_directions(mesh);
     let rest = mesh.rest();
     let at = |p: &Principal, edge: Vec3| {
@@ -166,11 +200,14 @@ fn principal_laplacian(mesh: &Mesh) -> SymmetricMatrix {
         let length_squared = (along * along + across * across).max(f64::MIN_POSITIVE);
         1.0 + anisotropy * (along * along - across * across) / length_squared
     };
-    let edges = mesh.adjacency().edges().iter().map(|&[i, j]| {
-        let (a, b) = (i as usize, j as usize);
-        let edge = rest[b] - rest[a];
-        let weight = 0.5 * (at(&principal[a], edge) + at(&principal[b], edge));
-        (i, j, weight.max(LEAST_WEIGHT))
-    });
-    SymmetricMatrix::laplacian(rest.len(), edges)
+    let edges = mesh.adjacency().edges().iter().zip(weights);
+    edges
+        .map(|(&[i, j], &weight)| {
+            let (a, b) = (i as usize, j as usize);
+            let edge = rest[b] - rest[a];
+            let alignment = 0.5 * (at(&principal[a], edge) + at(&principal[b], edge));
+            // Negative cotangents are harmless together, but not weighed one by one.
+            weight.max(LEAST_WEIGHT) * alignment.max(LEAST_WEIGHT)
+        })
+        .collect()
 }
