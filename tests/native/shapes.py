@@ -50,3 +50,30 @@ def ends(vertices: np.ndarray, share: float = 0.1) -> tuple[np.ndarray, np.ndarr
     x = vertices[:, 0]
     span = np.ptp(x)
     return np.flatnonzero(x < x.min() + share * span), np.flatnonzero(x > x.max() - share * span)
+
+
+def prism(rows: int = 100, columns: int = 32, length: float = 6.0, square: bool = False):
+    """A closed cylinder (radius 0.5) or box (1 x 1) along x: rows * columns + 2 vertices, triangles."""
+    angle = np.linspace(0, 2 * np.pi, columns, endpoint=False) + np.pi / 4
+    ring = 0.5 * np.stack([np.cos(angle), np.sin(angle)], 1)
+    if square:
+        side = np.linspace(-0.5, 0.5, columns // 4, endpoint=False)
+        half = np.full(columns // 4, 0.5)
+        ring = np.concatenate(
+            [np.stack(p, 1) for p in ((half, side), (-side, half), (-half, -side), (side, -half))]
+        )
+    x = np.repeat(np.linspace(0, length, rows), columns)
+    vertices = np.concatenate([np.column_stack([x, np.tile(ring, (rows, 1))]), [[0, 0, 0], [length, 0, 0]]])
+    last, first, k = rows * columns, (rows - 1) * columns, np.arange(columns)
+    caps = [np.stack([np.full(columns, last), (k + 1) % columns, k], 1)]
+    caps += [np.stack([np.full(columns, last + 1), first + k, first + (k + 1) % columns], 1)]
+    return vertices, np.concatenate([grid_faces(rows, columns, closed=True), *caps])
+
+
+def bend(vertices: np.ndarray, angle: float, share: float = 0.1) -> np.ndarray:
+    """Where the last `share` along x goes when the middle axis bends to an arc of its own length."""
+    start, end = share * vertices[:, 0].max(), (1 - share) * vertices[:, 0].max()
+    radius = (end - start) / angle
+    turn = rigid((0, 0, 1), angle)
+    turn[:3, 3] = (start + radius * np.sin(angle), radius * (1 - np.cos(angle)), 0) - turn[:3, 0] * end
+    return turn

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use lissom::Job;
 use lissom::pose::{
     Handle, Hold, METHODS, MethodOptions, Pose, Posed, Report, SolveOptions, arap, laplacian,
-    laplacian_fitted, thin_shell,
+    laplacian_fitted, multiresolution, poisson, rotation_invariant, thin_shell,
 };
 use lissom::{Error, Fault, Vec3};
 use pyo3::exceptions::PyTypeError;
@@ -85,9 +85,9 @@ impl<'py> Options<'py> {
         self.choice("weights", &kinds)
     }
 
-    /// The options of one method.
-    fn method(&mut self) -> PyResult<MethodOptions> {
-        Ok(match self.method.as_str() {
+    /// The options of the method that `argument` names.
+    fn method(&mut self, argument: &'static str, name: &str) -> PyResult<MethodOptions> {
+        Ok(match name {
             "laplacian" => {
                 let default = laplacian::Options::default();
                 MethodOptions::Laplacian(laplacian::Options { weights: self.weights(default.weights)? })
@@ -98,6 +98,18 @@ impl<'py> Options<'py> {
                 let scale = self.value("scale", default.scale)?;
                 MethodOptions::LaplacianFitted(laplacian_fitted::Options { weights, scale })
             }
+            "rotation_invariant" => {
+                use rotation_invariant::{Frames, Interpolation};
+                let frames = [("uniform", Frames::Uniform), ("principal", Frames::Principal)];
+                let interpolation =
+                    [("rotation_vector", Interpolation::RotationVector), ("matrix", Interpolation::Matrix)];
+                MethodOptions::RotationInvariant(rotation_invariant::Options {
+                    weights: self.weights(laplacian::Weights::Cotangent)?,
+                    frames: self.choice("frames", &frames)?,
+                    interpolation: self.choice("interpolation", &interpolation)?,
+                    project: self.value("project", true)?,
+                })
+            }
             "thin_shell" => {
                 let default = thin_shell::Options::default();
                 MethodOptions::ThinShell(thin_shell::Options {
@@ -105,6 +117,21 @@ impl<'py> Options<'py> {
                     bending: self.value("k_b", default.bending)?,
                     border: self.value("border", default.border)?,
                 })
+            }
+            "poisson" => {
+                let default = poisson::Options::default();
+                MethodOptions::Poisson(poisson::Options { border: self.value("border", default.border)? })
+            }
+            "multiresolution" => {
+                use multiresolution::{Details, Options};
+                let default = Options::default();
+                let details = [("gradients", Details::Gradients), ("offsets", Details::Offsets)];
+                let smoothing = self.value("smoothing", default.smoothing)?;
+                let details = self.choice("details", &details)?;
+                let base: String = self.value("base", "poisson".to_owned())?;
+                // All further options are the base's.
+                let base = Box::new(self.method("base", &base)?);
+                MethodOptions::Multiresolution(Options { base, smoothing, details })
             }
             "arap" => {
                 let kinds =
@@ -117,7 +144,7 @@ impl<'py> Options<'py> {
             }
             other => {
                 let problem = format!("no method named '{other}', there are {}", METHODS.join(", "));
-                let error = Error::InvalidValue(Fault::new("method", problem));
+                let error = Error::InvalidValue(Fault::new(argument, problem));
                 return Err(errors::to_python(self.given.py(), error));
             }
         })
@@ -143,6 +170,11 @@ impl<'py> Options<'py> {
 /// laplacian_fitted: weights="uniform" | "cotangent"; scale=True, whether details may grow as they turn.
 /// thin_shell: k_s=1.0 and k_b=2.0, the resistance to stretching and to bending of a mesh whose box has the
 /// diagonal 1; border=0 | 1 | 2, whether the free surface meets the rest in position, slope or curvature.
+/// rotation_invariant: weights="cotangent" | "uniform" (the thesis), frames="uniform" | "principal",
+/// interpolation="rotation_vector" | "matrix" (the thesis), project=True (matrices to rotations).
+/// poisson: border=0 | 1 | 2, the order of smoothness of the blending weights.
+/// multiresolution: base="poisson" or any other method, whose options may be given too; smoothing=0.2, the
+/// wave length below which shape is detail, as a fraction of the diagonal; details="gradients" | "offsets".
 /// arap: cells="spokes_and_rims" | "spokes"; rotation_smoothing=0.0, how much neighbours' rotations must
 /// agree; smoothness=0.0, up to below 1, how much curvature counts against lengths (0.1 takes the spike off
 /// a single moved vertex).
@@ -209,7 +241,7 @@ impl PyPose {
         let roi = roi.map(|roi| arrays::vertex_list("roi", roi)).transpose()?;
         let given = options.map_or_else(|| Ok(PyDict::new(py)), |given| given.copy())?;
         let mut options = Options { method: method.to_owned(), given, known: Vec::new() };
-        let (method, hold) = (options.method()?, options.hold()?);
+        let (method, hold) = (options.method("method", method)?, options.hold()?);
         options.finish()?;
         let shared = mesh.get().0.clone();
         let pose = run_value(py, move |_| Pose::new(shared, handles, roi.as_deref(), hold, &method))?;

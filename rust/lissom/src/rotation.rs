@@ -108,10 +108,13 @@ fn svd_rotation(m: Mat3) -> Mat3 {
     left * right.transpose()
 }
 
-/// Rotation vector (axis times angle, radians) of a rotation, with an angle in 0 to pi.
+/// Rotation vector (axis times angle, radians) of a rotation, with an angle in 0 to pi. Of the two axes of
+/// half a turn, the one whose largest component is positive.
 pub fn log(r: Mat3) -> Vec3 {
     let q = glam::DQuat::from_mat3(&r).normalize();
-    let q = if q.w < 0.0 { -q } else { q };
+    let half = q.w.abs() < 1e-12;
+    let largest = [q.x, q.y, q.z].into_iter().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+    let q = if (half && largest < 0.0) || (!half && q.w < 0.0) { -q } else { q };
     let (imaginary, real) = (Vec3::new(q.x, q.y, q.z), q.w);
     let sine = imaginary.length();
     if sine < 1e-12 {
@@ -136,6 +139,36 @@ pub fn nearest_branch(omega: Vec3, reference: Vec3) -> Vec3 {
     }
     let axis = omega / angle;
     axis * (angle + TAU * ((reference.dot(axis) - angle) / TAU).round())
+}
+
+/// Puts rotation vectors of angles up to pi on branches that agree with each other, in place.
+///
+/// Two rotations by 179 and 181 degrees are 2 degrees apart, their vectors 358. Each is lifted to the
+/// branch nearest to the one before it on the minimum spanning tree of relative angles (Prim 1957), which
+/// grows from the identity where something is `anchored` to it, else from the least rotation.
+pub fn agree(vectors: &mut [Vec3], anchored: bool) {
+    let turns: Vec<glam::DQuat> = vectors.iter().map(|&v| glam::DQuat::from_scaled_axis(v)).collect();
+    // How near each is to the tree, as the cosine of half the relative angle, and to what.
+    let mut near: Vec<(f64, Option<Vec3>)> = turns.iter().map(|q| (q.w.abs(), None)).collect();
+    let mut left: Vec<usize> = (0..vectors.len()).collect();
+    let mut first = !anchored;
+    while let Some(place) = (0..left.len()).max_by(|&a, &b| near[left[a]].0.total_cmp(&near[left[b]].0)) {
+        let next = left.swap_remove(place);
+        if let Some(reference) = near[next].1 {
+            let lifted = nearest_branch(vectors[next], reference);
+            // Half a turn from its reference it may be either, and stays what it is.
+            if lifted.distance(reference) < vectors[next].distance(reference) - 1e-9 {
+                vectors[next] = lifted;
+            }
+        }
+        for &other in &left {
+            let cosine = turns[other].dot(turns[next]).abs();
+            if first || cosine > near[other].0 {
+                near[other] = (cosine, Some(vectors[next]));
+            }
+        }
+        first = false;
+    }
 }
 
 #[cfg(test)]
@@ -218,6 +251,23 @@ mod tests {
             let axis = Vec3::new(next(), next(), next()).normalize();
             assert!((log(exp(axis * angle)) - axis * angle).length() < 1e-9, "{angle}");
         }
+    }
+
+    #[test]
+    fn rotations_that_are_near_get_vectors_that_are_near() {
+        let lifted = |degrees: &[f64], anchored: bool| -> Vec<f64> {
+            let own = degrees.iter().map(|d| log(exp(Vec3::Z * d.to_radians())));
+            let mut vectors: Vec<Vec3> = own.collect();
+            agree(&mut vectors, anchored);
+            vectors.iter().map(|v| v.z.to_degrees().round()).collect()
+        };
+        assert_eq!(lifted(&[181.0, 170.0, 189.0], true), [181.0, 170.0, 189.0]);
+        assert_eq!(lifted(&[0.0, 220.0, 110.0, 350.0], true), [0.0, 220.0, 110.0, -10.0]);
+        // What is at rest decides whether 260 degrees are 260 or -100.
+        assert_eq!(lifted(&[90.0, 260.0], false), [90.0, 260.0]);
+        assert_eq!(lifted(&[90.0, 260.0], true), [90.0, -100.0]);
+        assert_eq!(lifted(&[0.0, 180.0], false), [0.0, 180.0]);
+        assert_eq!(lifted(&[], true), [0.0; 0]);
     }
 
     #[test]

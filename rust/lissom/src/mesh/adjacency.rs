@@ -10,7 +10,7 @@ pub struct Corner {
 }
 
 /// Incidence of vertices, edges and triangles.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Adjacency {
     corner_start: Vec<u32>,
     corners: Vec<Corner>,

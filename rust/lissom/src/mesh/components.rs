@@ -4,7 +4,7 @@
 const NONE: u32 = u32::MAX;
 
 /// Connected components, numbered by their first vertex.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Components {
     of_vertex: Vec<u32>,
     count: usize,

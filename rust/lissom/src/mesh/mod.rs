@@ -84,6 +84,22 @@ impl Mesh {
         }
     }
 
+    /// The same triangles on other rest positions, in the same unit coordinates.
+    pub(crate) fn reshaped(&self, rest: Vec<Vec3>) -> Self {
+        Self {
+            vertices: rest.iter().map(|&p| self.frame.from_unit(p)).collect(),
+            frame: self.frame,
+            triangle_ids: self.triangle_ids.clone(),
+            input_triangles: self.input_triangles,
+            adjacency: self.adjacency.clone(),
+            components: self.components.clone(),
+            geometry: TriangleGeometry::of(&rest, &self.triangles),
+            rest,
+            triangles: self.triangles.clone(),
+            warnings: self.warnings.clone(),
+        }
+    }
+
     /// Positions as given, in the mesh's own units.
     pub fn vertices(&self) -> &[Vec3] {
         &self.vertices

@@ -7,12 +7,14 @@
 //! | [`cotangent`] | `L = G^T M G`, positive semidefinite | Pinkall & Polthier 1993 |
 //! | [`graph`] | the uniform Laplacian of the edges | Taubin 1995 |
 //! | [`mass`] | lumped vertex areas | Meyer et al. 2003 |
+//! | [`principal`] | principal curvatures and directions | Cohen-Steiner & Morvan 2003 |
 
 pub mod cotangent;
 pub mod divergence;
 pub mod gradient;
 pub mod graph;
 pub mod mass;
+pub mod principal;
 
 use rayon::prelude::*;
 

@@ -31,12 +31,12 @@
 use rayon::prelude::*;
 
 use super::anderson::Anderson;
-use super::field::{Field, inverse_mass};
+use super::field::{self, inverse_mass};
 use super::{Goal, Method, Region, Solution, SolveOptions};
 use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::gradient::outer;
-use crate::rotation::{exp, nearest_rotation};
+use crate::rotation::nearest_rotation;
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
 
 /// An energy below this fraction of that of the edges themselves is zero but for rounding.
@@ -131,8 +131,7 @@ impl Arap {
     /// Rotations to start from: the handles', spread as harmonic rotation vectors. Where all given
     /// vertices move by the same rigid motion, that motion.
     fn guess(&self, region: &Region, goal: &Goal) -> Vec<Mat3> {
-        let field = region.at_handles(|h| goal.handles[h].rotation);
-        Field::spread(&self.system, &field).into_par_iter().map(exp).collect()
+        field::rotations(&self.system, region, goal)
     }
 
     /// The global step: displacements for fixed rotations.

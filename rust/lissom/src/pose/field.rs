@@ -7,39 +7,64 @@
 
 use std::collections::BTreeMap;
 
-use super::Region;
+use rayon::prelude::*;
+
+use super::{Goal, Region};
 use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::mass::lumped_mass;
-use crate::{Error, Fault, Mesh, Result, Vec3};
+use crate::rotation::exp;
+use crate::{Error, Fault, Mat3, Mesh, Result, Vec3};
 
-/// The factored system of a field.
-#[derive(Debug)]
-pub(super) struct Field(ConstrainedSystem);
+/// The factored system of a field of `order` 0, 1 or 2 on a region.
+pub(super) fn smooth_system(region: &Region, order: usize) -> Result<ConstrainedSystem> {
+    ConstrainedSystem::new(&polyharmonic(region.mesh(), order)?, region.constraints().clone())
+}
 
-impl Field {
-    /// Prepares a field of `order` 0, 1 or 2 on a region.
-    pub fn new(region: &Region, order: usize) -> Result<Self> {
-        let matrix = polyharmonic(region.mesh(), order)?;
-        Ok(Self(ConstrainedSystem::new(&matrix, region.constraints().clone())?))
+/// Fields of several vectors per handle; one that is zero at all of them costs nothing.
+pub(super) fn of_handles<const N: usize>(
+    system: &ConstrainedSystem,
+    region: &Region,
+    handles: &[[Vec3; N]],
+) -> [Vec<Vec3>; N] {
+    let n = region.mesh().rest().len();
+    let moving = |part: &usize| handles.iter().any(|h| h[*part] != Vec3::ZERO);
+    let parts: Vec<usize> = (0..N).filter(moving).collect();
+    let mut block = Columns::zeros(n, 3 * parts.len());
+    for (place, &part) in parts.iter().enumerate() {
+        let given = region.at_handles(|h| handles[h][part]);
+        given.into_iter().enumerate().for_each(|(v, value)| block.set_vector(place, v, value));
     }
+    spread(system, &mut block);
+    std::array::from_fn(|part| match parts.iter().position(|&p| p == part) {
+        Some(place) => block.vectors(place),
+        None => vec![Vec3::ZERO; n],
+    })
+}
 
-    /// The field that takes the values `given` at given vertices.
-    pub fn vectors(&self, given: &[Vec3]) -> Vec<Vec3> {
-        Self::spread(&self.0, given)
-    }
+/// The handles' rotations, spread as rotation vectors.
+pub(super) fn rotations(system: &ConstrainedSystem, region: &Region, goal: &Goal) -> Vec<Mat3> {
+    let vectors: Vec<[Vec3; 2]> = goal.handles.iter().map(|m| [m.rotation, m.whole_turns]).collect();
+    let [rotation, whole] = of_handles(system, region, &vectors);
+    rotation.into_par_iter().zip(whole).map(|(r, w)| exp(r) * exp(w)).collect()
+}
 
-    /// The same for any number of columns, in place.
-    pub fn columns(&self, field: &mut Columns) {
-        self.0.solve(&Columns::zeros(field.rows(), field.count()), field);
-    }
-
-    /// The field of a system that is at hand already.
-    pub fn spread(system: &ConstrainedSystem, given: &[Vec3]) -> Vec<Vec3> {
-        let mut field = Columns::from_vectors(given);
-        system.solve(&Columns::zeros(given.len(), 3), &mut field);
-        field.vectors(0)
-    }
+/// Spreads what given vertices hold, in place. Constants come out exactly, however badly the system is
+/// conditioned: the unknown is the difference to the first given value.
+pub(super) fn spread(system: &ConstrainedSystem, field: &mut Columns) {
+    let constraints = system.constraints();
+    let given = (0..field.rows()).find(|&v| constraints.slot(v as u32).is_none());
+    let pulled = constraints.soft().first().map(|&(v, _)| v as usize);
+    let Some(first) = given.or(pulled) else { return };
+    let shifts: Vec<f64> = (0..field.count()).map(|c| field.column(c)[first]).collect();
+    let shift = |field: &mut Columns, sign: f64| {
+        for (c, shift) in shifts.iter().enumerate() {
+            field.column_mut(c).iter_mut().for_each(|value| *value += sign * shift);
+        }
+    };
+    shift(field, -1.0);
+    system.solve(&Columns::zeros(field.rows(), field.count()), field);
+    shift(field, 1.0);
 }
 
 /// `L`, `L M^-1 L` or `L M^-1 L M^-1 L`, the Hessians of `sum w (f_j - f_i)^2`, `sum m h^2` and

@@ -4,33 +4,48 @@
 //! ([`Method`], one a file); each solve turns the handles' motion into a [`Goal`] and hands it to the
 //! method. Methods see a mesh that consists of the region alone, so none knows of anything outside.
 //!
-//! | file | method | chooses |
-//! |---|---|---|
-//! | [`laplacian`] | Laplacian editing | the rest pose's Laplacian coordinates, as they are |
-//! | [`laplacian_fitted`] | the same with details that turn | a small turn and a scale for each vertex, as its neighbours move |
-//! | [`thin_shell`] | thin shell | no detail: the displacement stretches and bends least |
-//! | [`arap`] | as rigid as possible | the rotations that fit the current shape best, again and again |
+//! | file | chooses |
+//! |---|---|
+//! | [`laplacian`] | the rest pose's Laplacian coordinates, as they are |
+//! | [`laplacian_fitted`] | the same, turned and scaled for each vertex as its neighbours move |
+//! | [`rotation_invariant`] | frames that differ from their neighbours' as they did at rest |
+//! | [`thin_shell`] | no detail: the displacement stretches and bends least |
+//! | [`poisson`] | the handles' rotations and stretches, blended by smooth weights |
+//! | [`multiresolution`] | how a smoothed base moves, by any other method |
+//! | [`arap`] | the rotations that fit the current shape best, again and again |
 
 mod anderson;
 pub mod arap;
 mod field;
 pub mod laplacian;
 pub mod laplacian_fitted;
+pub mod multiresolution;
+pub mod poisson;
 mod region;
 mod responses;
+pub mod rotation_invariant;
 pub mod thin_shell;
 
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use std::time::Instant;
 
 pub use region::Region;
 pub use responses::{Linear, Response};
 
-use crate::rotation::{log, nearest_branch, nearest_rotation};
+use crate::rotation::{agree, log, nearest_branch, nearest_rotation};
 use crate::{Error, Fault, Job, Mat3, Mat4, Mesh, Result, Vec3};
 
 /// Names of the methods, as in `lissom.POSE_METHODS`.
-pub const METHODS: &[&str] = &["laplacian", "laplacian_fitted", "thin_shell", "arap"];
+pub const METHODS: &[&str] = &[
+    "laplacian",
+    "laplacian_fitted",
+    "rotation_invariant",
+    "thin_shell",
+    "poisson",
+    "multiresolution",
+    "arap",
+];
 
 /// A method and its options; one of [`METHODS`] each.
 #[derive(Debug, Clone)]
@@ -41,6 +56,12 @@ pub enum MethodOptions {
     LaplacianFitted(laplacian_fitted::Options),
     /// [`thin_shell`]
     ThinShell(thin_shell::Options),
+    /// [`rotation_invariant`]
+    RotationInvariant(rotation_invariant::Options),
+    /// [`poisson`]
+    Poisson(poisson::Options),
+    /// [`multiresolution`]
+    Multiresolution(multiresolution::Options),
     /// [`arap`]
     Arap(arap::Options),
 }
@@ -59,6 +80,11 @@ impl MethodOptions {
                 Box::new(Linear::new(laplacian_fitted::LaplacianFitted::new(region, options)?))
             }
             Self::ThinShell(options) => Box::new(Linear::new(thin_shell::ThinShell::new(region, options)?)),
+            Self::RotationInvariant(options) => rotation_invariant::bind(region, options)?,
+            Self::Poisson(options) => Box::new(poisson::Poisson::new(region, options)?),
+            Self::Multiresolution(options) => {
+                Box::new(multiresolution::Multiresolution::new(region, options)?)
+            }
             Self::Arap(options) => Box::new(arap::Arap::new(region, options)?),
         })
     }
@@ -147,6 +173,8 @@ pub struct Goal {
 pub struct Motion {
     /// Rotation vector: axis times angle, with whole turns.
     pub rotation: Vec3,
+    /// Whole turns about another axis, before `rotation`; zero where that tells all.
+    pub whole_turns: Vec3,
     /// The linear part, `R S`.
     pub linear: Mat3,
     /// Displacement of the origin of unit coordinates.
@@ -164,6 +192,13 @@ pub struct Solution {
     pub energy: Option<f64>,
     /// Whether the tolerance was reached.
     pub converged: bool,
+}
+
+impl Solution {
+    /// What a method that does not iterate found.
+    pub(crate) fn direct(displacements: Vec<Vec3>) -> Self {
+        Self { displacements, iterations: 1, energy: None, converged: true }
+    }
 }
 
 /// A way to pose a region. An instance is bound to one region, and keeps what it factored.
@@ -230,7 +265,9 @@ impl Pose {
     /// Poses by one affine matrix per handle, rest to posed, in the mesh's own units.
     ///
     /// `turns`, one rotation vector per handle, says by how many whole turns each matrix rotates: the
-    /// matrix's own rotation is lifted to the branch nearest to it.
+    /// matrix's own rotation is lifted to the branch nearest to it; turns about another axis come first,
+    /// about axes of the rest pose. Without, rotations are lifted to branches that agree with each other
+    /// ([`agree`]).
     ///
     /// # Errors
     ///
@@ -260,14 +297,23 @@ impl Pose {
             .flat_map(|(handle, m)| handle.vertices.iter().map(|&v| m.transform_point3(rest[v as usize])))
             .collect();
         let frame = self.mesh.frame();
-        let motions = transforms.iter().enumerate().map(|(h, m)| {
-            let linear = Mat3::from_mat4(*m);
-            let own = log(nearest_rotation(linear));
-            Motion {
-                rotation: turns.map_or(own, |turns| nearest_branch(own, turns[h])),
-                linear,
-                offset: (m.transform_point3(frame.center) - frame.center) / frame.scale,
+        let linear = |m: &Mat4| Mat3::from_mat4(*m);
+        let mut rotations: Vec<Vec3> = transforms.iter().map(|m| log(nearest_rotation(linear(m)))).collect();
+        let mut whole_turns = vec![Vec3::ZERO; handles];
+        match turns {
+            Some(turns) => {
+                for h in 0..handles {
+                    (rotations[h], whole_turns[h]) = with_turns(rotations[h], turns[h]);
+                }
             }
+            None => agree(&mut rotations, self.region.is_anchored()),
+        }
+        let rotations = rotations.into_iter().zip(whole_turns);
+        let motions = transforms.iter().zip(rotations).map(|(m, (rotation, whole_turns))| Motion {
+            rotation,
+            whole_turns,
+            linear: linear(m),
+            offset: (m.transform_point3(frame.center) - frame.center) / frame.scale,
         });
         let goal = self.region.goal(&self.mesh, &targets, motions.collect(), true);
         self.pose(&targets, &goal, options, job)
@@ -285,7 +331,10 @@ impl Pose {
         expect_count("targets", "points", targets.len(), self.handle_vertex_count(), "handle vertices")?;
         let broken = targets.iter().enumerate().filter(|(_, p)| !p.is_finite()).map(|(i, _)| i);
         refuse("targets", "not finite", broken)?;
-        let motions = self.region.estimate_motions(&self.mesh, targets);
+        let mut motions = self.region.estimate_motions(&self.mesh, targets);
+        let mut rotations: Vec<Vec3> = motions.iter().map(|m| m.rotation).collect();
+        agree(&mut rotations, self.region.is_anchored());
+        motions.iter_mut().zip(rotations).for_each(|(m, rotation)| m.rotation = rotation);
         let goal = self.region.goal(&self.mesh, targets, motions, false);
         self.pose(targets, &goal, options, job)
     }
@@ -320,6 +369,17 @@ impl Pose {
         report.seconds = begin.elapsed().as_secs_f64();
         Ok(Posed { vertices, report })
     }
+}
+
+/// Splits a rotation that has done about `turns` into a rotation vector and whole turns before it. Near
+/// whole turns a matrix says nothing of their axis, and a twist with a tilt has no vector of its own.
+fn with_turns(own: Vec3, turns: Vec3) -> (Vec3, Vec3) {
+    let lifted = nearest_branch(own, turns);
+    if lifted.distance(turns) <= PI {
+        return (lifted, Vec3::ZERO);
+    }
+    let whole = turns.normalize_or_zero() * (TAU * (turns.length() / TAU).round());
+    (nearest_branch(own, turns - whole), whole)
 }
 
 fn expect_count(argument: &str, what: &str, given: usize, wanted: usize, of: &str) -> Result<()> {

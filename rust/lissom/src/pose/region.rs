@@ -104,6 +104,20 @@ impl Region {
         Ok(Self { handles, given, part, whole, target_of, handle_of, constraints, warnings })
     }
 
+    /// The same region of a mesh whose vertices rest elsewhere, in unit coordinates; given ones do not.
+    pub(super) fn reshaped(&self, rest: Vec<Vec3>) -> Self {
+        Self {
+            handles: self.handles.clone(),
+            given: self.given.clone(),
+            part: self.part.as_ref().map(|part| part.reshaped(rest)),
+            whole: self.whole.clone(),
+            target_of: self.target_of.clone(),
+            handle_of: self.handle_of.clone(),
+            constraints: self.constraints.clone(),
+            warnings: self.warnings.clone(),
+        }
+    }
+
     /// The handles, as given.
     pub fn handles(&self) -> &[Handle] {
         &self.handles
@@ -123,6 +137,16 @@ impl Region {
     pub fn at_handles(&self, of_handle: impl Fn(usize) -> Vec3) -> Vec<Vec3> {
         let vertices = 0..self.whole.len();
         vertices.map(|v| self.handle_of(v).map_or(Vec3::ZERO, &of_handle)).collect()
+    }
+
+    /// Whether anything besides handles is given: vertices outside the region stay at rest.
+    pub fn is_anchored(&self) -> bool {
+        (0..self.whole.len()).any(|v| self.stays(v))
+    }
+
+    /// Whether a vertex of [`Region::mesh`] is given and in no handle.
+    fn stays(&self, vertex: usize) -> bool {
+        self.handle_of[vertex].is_none() && self.constraints.slot(vertex as u32).is_none()
     }
 
     /// Whether nothing is free to follow.
@@ -186,8 +210,7 @@ impl Region {
         let vertices = self.handles.iter().flat_map(|h| &h.vertices);
         let pairs: Vec<(Vec3, Vec3)> =
             vertices.zip(targets).map(|(&v, &target)| (rest(v), frame.to_unit(target))).collect();
-        let stays = |v: usize| self.handle_of[v].is_none() && self.constraints.slot(v as u32).is_none();
-        let fixed = (0..self.whole.len()).filter(|&v| stays(v)).map(|v| rest(self.whole[v]));
+        let fixed = (0..self.whole.len()).filter(|&v| self.stays(v)).map(|v| rest(self.whole[v]));
         let all: Vec<(Vec3, Vec3)> = pairs.iter().copied().chain(fixed.map(|p| (p, p))).collect();
         let together = rotation_between(&all).unwrap_or(Mat3::IDENTITY);
         let mut start = 0;
@@ -198,7 +221,7 @@ impl Region {
                 start += own.len();
                 let linear = rotation_between(own).unwrap_or(together);
                 let (from, to) = centroids(own);
-                Motion { rotation: log(linear), linear, offset: to - linear * from }
+                Motion { rotation: log(linear), whole_turns: Vec3::ZERO, linear, offset: to - linear * from }
             })
             .collect()
     }

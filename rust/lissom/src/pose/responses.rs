@@ -105,7 +105,8 @@ impl<M: Response> Linear<M> {
 
 /// One handle's `[A - I | b]` is `[change | offset]`, all others stay.
 fn unit_goal(region: &Region, handle: usize, change: Mat3, offset: Vec3) -> Goal {
-    let still = Motion { rotation: Vec3::ZERO, linear: Mat3::IDENTITY, offset: Vec3::ZERO };
+    let zero = Vec3::ZERO;
+    let still = Motion { rotation: zero, whole_turns: zero, linear: Mat3::IDENTITY, offset: zero };
     let mut motions = vec![still; region.handles().len()];
     motions[handle] = Motion { linear: Mat3::IDENTITY + change, offset, ..still };
     let rest = region.mesh().rest();
@@ -159,6 +160,6 @@ impl<M: Response> Method for Linear<M> {
         } else {
             self.method.displacements(region, goal)
         };
-        Ok(Solution { displacements, iterations: 1, energy: None, converged: true })
+        Ok(Solution::direct(displacements))
     }
 }

@@ -1,0 +1,147 @@
+//! Multiresolution editing (thesis of S. Zhou 2008, 1.2.2; Botsch, Sumner, Pauly & Gross 2006, Deformation
+//! Transfer for Detail-Preserving Surface Editing).
+//!
+//! ```text
+//!     S = B + D        B -> B' by any other method        S' = B' + D
+//! ```
+//!
+//! The base minimises `int |b - v|^2 + l^4 |Lap b|^2` with handles and border in place (implicit fairing,
+//! Desbrun, Meyer, Schröder & Barr 1999): a wave of length `2 pi l` keeps half its height, shorter ones
+//! are details. Details are put back in one of two ways: as offsets that turn with the base,
+//! `x_i = b'_i + R_i (v_i - b_i)`, or by stitching the base's deformation gradients on the surface itself,
+//! which costs one more solve and does not let long details fan out or run into each other.
+
+use std::f64::consts::TAU;
+
+use rayon::prelude::*;
+
+use super::field::{inverse_mass, polyharmonic};
+use super::{Goal, Method, MethodOptions, Region, Solution, SolveOptions};
+use crate::linear::{Columns, ConstrainedSystem, Constraints, SymmetricMatrix};
+use crate::operators::gradient::deformation_gradients;
+use crate::rotation::nearest_rotation;
+use crate::stitch::Stitcher;
+use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
+
+/// How details are put back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Details {
+    /// By stitching the base's deformation gradients.
+    #[default]
+    Gradients,
+    /// As offsets in the base's frames.
+    Offsets,
+}
+
+/// Options of multiresolution editing.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// The method that poses the base; any but this one.
+    pub base: Box<MethodOptions>,
+    /// Wave length below which shape is detail, as a fraction of the mesh's diagonal.
+    pub smoothing: f64,
+    /// How details are put back.
+    pub details: Details,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        let base = Box::new(MethodOptions::Poisson(super::poisson::Options::default()));
+        Self { base, smoothing: 0.2, details: Details::default() }
+    }
+}
+
+/// Multiresolution editing bound to a region.
+#[derive(Debug)]
+pub struct Multiresolution {
+    /// The region on the base.
+    base: Region,
+    method: Box<dyn Method>,
+    details: Replace,
+}
+
+#[derive(Debug)]
+enum Replace {
+    Gradients(Stitcher),
+    /// `v - b`.
+    Offsets(Vec<Vec3>),
+}
+
+impl Multiresolution {
+    /// Smooths the region and binds the base's method.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidValue`] for a base of this same method and for a smoothing that is negative or not
+    /// finite; [`Error::SolveFailed`] where a system cannot be factored.
+    pub fn new(region: &Region, options: &Options) -> Result<Self> {
+        if matches!(*options.base, MethodOptions::Multiresolution(_)) {
+            return Err(Error::InvalidValue(Fault::new("base", "must be another method")));
+        }
+        if !(options.smoothing >= 0.0 && options.smoothing.is_finite()) {
+            return Err(Error::InvalidValue(Fault::new("smoothing", "must be 0 or more")));
+        }
+        let mesh = region.mesh();
+        let offsets = details(region, options.smoothing / TAU)?;
+        let smooth = mesh.rest().iter().zip(&offsets).map(|(&v, &d)| v - d).collect();
+        let base = region.reshaped(smooth);
+        let method = options.base.bind(&base)?;
+        let details = match options.details {
+            Details::Gradients => Replace::Gradients(Stitcher::new(mesh, region.constraints().clone())?),
+            Details::Offsets => Replace::Offsets(offsets),
+        };
+        Ok(Self { base, method, details })
+    }
+}
+
+/// `v - b`: the solution of `(M + l^4 L M^-1 L) d = l^4 L M^-1 L v`, zero in handles and at the border.
+fn details(region: &Region, length: f64) -> Result<Vec<Vec3>> {
+    let mesh = region.mesh();
+    let bending = polyharmonic(mesh, 1)?;
+    let mass = (0u32..).zip(inverse_mass(mesh)).map(|(v, inverse)| (v, v, 1.0 / inverse));
+    let mass = SymmetricMatrix::from_entries(mesh.rest().len(), mass);
+    let stiffness = length.powi(4);
+    let held = |v: usize| region.handle_of(v).is_some() || region.constraints().slot(v as u32).is_none();
+    let constraints = Constraints::hard(mesh.rest().len(), held);
+    let system = ConstrainedSystem::new(&mass.combine(1.0, &bending, stiffness), constraints)?;
+    let rest = Columns::from_vectors(mesh.rest());
+    let mut rhs = Columns::zeros(rest.rows(), 3);
+    for axis in 0..3 {
+        let forces = bending.times(rest.column(axis));
+        rhs.column_mut(axis).iter_mut().zip(forces).for_each(|(b, force)| *b = stiffness * force);
+    }
+    let mut details = Columns::zeros(rest.rows(), 3);
+    system.solve(&rhs, &mut details);
+    Ok(details.vectors(0))
+}
+
+impl Method for Multiresolution {
+    fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution> {
+        // Handles have no details: the goal of the surface is that of the base.
+        let mut solution = self.method.solve(&self.base, goal, options, job)?;
+        let base = self.base.mesh();
+        let moved: Vec<Vec3> =
+            (base.rest().iter().zip(&solution.displacements)).map(|(&b, &d)| b + d).collect();
+        let gradients = deformation_gradients(base, &moved);
+        match &self.details {
+            Replace::Gradients(stitcher) => {
+                solution.displacements.copy_from_slice(&goal.displacements);
+                stitcher.solve(region.mesh(), &gradients, &mut solution.displacements);
+            }
+            Replace::Offsets(offsets) => {
+                let turned: Vec<Vec3> = (0..offsets.len())
+                    .into_par_iter()
+                    .map(|v| (frame(base, &gradients, v) - Mat3::IDENTITY) * offsets[v])
+                    .collect();
+                solution.displacements.iter_mut().zip(turned).for_each(|(d, turned)| *d += turned);
+            }
+        }
+        Ok(solution)
+    }
+}
+
+/// How the base turns at a vertex: the rotation nearest to the mean of its triangles' gradients.
+fn frame(base: &Mesh, gradients: &[Mat3], vertex: usize) -> Mat3 {
+    let corners = base.adjacency().corners_of(vertex).iter().map(|c| c.triangle as usize);
+    nearest_rotation(corners.fold(Mat3::ZERO, |sum, t| sum + gradients[t] * base.areas()[t]))
+}

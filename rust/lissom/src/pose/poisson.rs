@@ -1,0 +1,96 @@
+//! Poisson editing (thesis of S. Zhou 2008, 1.2.1; Yu, Zhou, Xu, Shi, Bao, Guo & Shum 2004, Mesh Editing
+//! with Poisson-Based Gradient Field Manipulation; Zayer, Rössl, Karni & Seidel 2005, Harmonic Guidance
+//! for Surface Deformation).
+//!
+//! Each handle `h` turns by the rotation vector `r_h` and stretches by `S_h`, and has a smooth weight
+//! field `w_h`: 1 on itself, 0 where the surface is held otherwise. Triangles blend by their weights,
+//!
+//! ```text
+//!     C_t = exp( sum_h w_h(t) r_h )  ( I + sum_h w_h(t) (S_h - I) )
+//! ```
+//!
+//! and are stitched, `L x = div C`. Blended vectors count whole turns, and where all handles move by one
+//! affine motion the weights sum to 1 and `C_t` is its linear part. The sums are solved for as fields of
+//! their own, three of rotations and six of stretches, however many handles there are.
+
+use rayon::prelude::*;
+
+use super::field::{of_handles, smooth_system};
+use super::{Goal, Method, Motion, Region, Solution, SolveOptions};
+use crate::linear::ConstrainedSystem;
+use crate::rotation::{exp, polar};
+use crate::stitch::Stitcher;
+use crate::{Job, Mat3, Result, Vec3};
+
+/// Stretch of a handle that counts as none.
+const ROUNDING: f64 = 1e-12;
+
+/// Options of Poisson editing.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// How smoothly weights leave the handles: 0 harmonic, 1 with continuous slope, 2 with continuous
+    /// curvature. Positions are smoother by one order.
+    pub border: usize,
+}
+
+/// Poisson editing bound to a region.
+#[derive(Debug)]
+pub struct Poisson {
+    /// The system of the weights, where its system is not that of the stitcher.
+    smooth: Option<ConstrainedSystem>,
+    stitcher: Stitcher,
+}
+
+impl Poisson {
+    /// Factors the systems of weights and positions, which are the same where weights are harmonic.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Error::InvalidValue`] for a border that is not 0, 1 or 2, [`crate::Error::SolveFailed`]
+    /// where a system cannot be factored.
+    pub fn new(region: &Region, options: &Options) -> Result<Self> {
+        let smooth = if options.border == 0 { None } else { Some(smooth_system(region, options.border)?) };
+        let stitcher = Stitcher::new(region.mesh(), region.constraints().clone())?;
+        Ok(Self { smooth, stitcher })
+    }
+
+    /// `C_t` of every triangle.
+    fn targets(&self, region: &Region, goal: &Goal) -> Vec<Mat3> {
+        let vectors: Vec<[Vec3; 4]> = goal.handles.iter().map(to_vectors).collect();
+        let system = self.smooth.as_ref().unwrap_or(self.stitcher.system());
+        let fields = of_handles(system, region, &vectors);
+        let blend = |t: &[u32; 3]| {
+            let mean = |of: &Vec<Vec3>| t.iter().map(|&v| of[v as usize]).sum::<Vec3>() / 3.0;
+            let [rotation, whole, diagonal, mixed] = fields.each_ref().map(mean);
+            exp(rotation) * exp(whole) * (Mat3::IDENTITY + symmetric(diagonal, mixed))
+        };
+        region.mesh().triangles().par_iter().with_min_len(512).map(blend).collect()
+    }
+}
+
+/// What is blended: rotation vector, whole turns, and the entries of `S - I` on and off the diagonal.
+fn to_vectors(motion: &Motion) -> [Vec3; 4] {
+    let s = polar(motion.linear).1 - Mat3::IDENTITY;
+    let diagonal = Vec3::new(s.x_axis.x, s.y_axis.y, s.z_axis.z);
+    let mixed = Vec3::new(s.y_axis.z, s.x_axis.z, s.x_axis.y);
+    // What is rounding in a rigid motion is left out, and then not solved for.
+    let known = |v: Vec3| if v.abs().max_element() > ROUNDING { v } else { Vec3::ZERO };
+    [motion.rotation, motion.whole_turns, known(diagonal), known(mixed)]
+}
+
+fn symmetric(diagonal: Vec3, mixed: Vec3) -> Mat3 {
+    Mat3::from_cols(
+        Vec3::new(diagonal.x, mixed.z, mixed.y),
+        Vec3::new(mixed.z, diagonal.y, mixed.x),
+        Vec3::new(mixed.y, mixed.x, diagonal.z),
+    )
+}
+
+impl Method for Poisson {
+    fn solve(&mut self, region: &Region, goal: &Goal, _: &SolveOptions, job: &Job) -> Result<Solution> {
+        job.check()?;
+        let mut displacements = goal.displacements.clone();
+        self.stitcher.solve(region.mesh(), &self.targets(region, goal), &mut displacements);
+        Ok(Solution::direct(displacements))
+    }
+}

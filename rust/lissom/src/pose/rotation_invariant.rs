@@ -1,0 +1,213 @@
+//! Rotation-invariant coordinates (thesis of S. Zhou 2008, chapters 3 and 4; Lipman, Sorkine, Levin &
+//! Cohen-Or 2005, Linear Rotation-Invariant Coordinates for Meshes).
+//!
+//! First frames, then positions. A frame `F_i = R_i G_i` is the rest frame `G_i` turned by `R_i`, so the
+//! frame equations (3-17), `F_j = F_i G_i^T G_j`, say `R_j = R_i`, whichever tangent direction builds
+//! `G_i`: their least squares is a harmonic field of matrices, n x n with nine right-hand sides.
+//!
+//! ```text
+//!     min_R  sum over edges ij  w_ij | R_j - R_i |^2                                  R given at handles
+//!     min_x  1/2 sum_i sum_{j at i}  w_ij | x_j - x_i - R_i (v_j - v_i) |^2     (3-18)    x given at handles
+//! ```
+//!
+//! Both have one Laplacian for a matrix and share its factor. The thesis has `w = 1`; cotangents keep the
+//! triangles' shapes out of the result, which on irregular meshes is far smoother. The thesis builds frames on principal directions (chapter 4), which by the above cannot change the solution; what can
+//! is to weigh the equations by them, and that is what [`Frames::Principal`] does.
+//!
+//! Means of rotation matrices vanish half way to a handle that is turned by 180 degrees, and know no
+//! whole turns. [`Interpolation::RotationVector`] solves the same harmonic system for rotation vectors.
+
+use rayon::prelude::*;
+
+use super::field;
+pub use super::laplacian::Weights;
+use super::{Goal, Linear, Method, Region, Response, Solution, SolveOptions};
+use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
+use crate::operators::principal::{Principal, principal_directions};
+use crate::rotation::{exp, nearest_rotation};
+use crate::{Job, Mat3, Mesh, Result, Vec3};
+
+/// Curvature, in one over the diagonal, that counts as flat: no direction is principal there.
+const FLAT: f64 = 1e-3;
+
+/// Least weight of an edge: it keeps frames together across the principal direction.
+const LEAST_WEIGHT: f64 = 0.05;
+
+/// How frame equations are weighed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Frames {
+    /// Each the same.
+    #[default]
+    Uniform,
+    /// More along the direction of largest curvature, less across.
+    Principal,
+}
+
+/// What is spread over the free vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Interpolation {
+    /// Rotation vectors: any angle, whole turns counted.
+    #[default]
+    RotationVector,
+    /// Matrices, as in the thesis.
+    Matrix,
+}
+
+/// Options of rotation-invariant coordinates.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// How neighbours are weighed.
+    pub weights: Weights,
+    /// How frame equations are weighed.
+    pub frames: Frames,
+    /// What is spread.
+    pub interpolation: Interpolation,
+    /// Whether interpolated matrices become rotations before positions are solved for. Without, the whole
+    /// method is linear, and the handles' linear parts are spread as they are, stretches and all.
+    pub project: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            weights: Weights::default(),
+            frames: Frames::default(),
+            interpolation: Interpolation::default(),
+            project: true,
+        }
+    }
+}
+
+/// Rotation-invariant coordinates bound to a region.
+#[derive(Debug)]
+pub struct RotationInvariant {
+    options: Options,
+    /// `w` of every edge.
+    weights: Vec<f64>,
+    positions: ConstrainedSystem,
+    /// The system of the frames, where it is another one.
+    frames: Option<ConstrainedSystem>,
+}
+
+/// Factors both systems; what is linear in the handles' motion comes with precomputed responses.
+///
+/// # Errors
+///
+/// [`crate::Error::SolveFailed`] where a system cannot be factored.
+pub fn bind(region: &Region, options: &Options) -> Result<Box<dyn Method>> {
+    let linear = options.interpolation == Interpolation::Matrix && !options.project;
+    let method = RotationInvariant::new(region, options)?;
+    Ok(if linear { Box::new(Linear::new(method)) } else { Box::new(method) })
+}
+
+impl RotationInvariant {
+    fn new(region: &Region, options: &Options) -> Result<Self> {
+        let (mesh, constraints) = (region.mesh(), region.constraints());
+        let weights = edge_weights(mesh, options.weights);
+        let positions = ConstrainedSystem::new(&laplacian(mesh, &weights), constraints.clone())?;
+        let frames = match options.frames {
+            Frames::Uniform => None,
+            Frames::Principal => {
+                let weights = principal_weights(mesh, &weights);
+                let (matrix, symbolic) = (laplacian(mesh, &weights), positions.symbolic());
+                Some(ConstrainedSystem::with_symbolic(&matrix, constraints.clone(), Some(symbolic))?)
+            }
+        };
+        Ok(Self { options: options.clone(), weights, positions, frames })
+    }
+
+    /// `R_i` of every vertex.
+    fn rotations(&self, region: &Region, goal: &Goal) -> Vec<Mat3> {
+        let system = self.frames.as_ref().unwrap_or(&self.positions);
+        if self.options.interpolation == Interpolation::RotationVector {
+            return field::rotations(system, region, goal);
+        }
+        let matrix = |h: usize| {
+            let motion = &goal.handles[h];
+            if self.options.project { exp(motion.rotation) } else { motion.linear }
+        };
+        let mut block = Columns::zeros(region.mesh().rest().len(), 9);
+        for column in 0..3 {
+            // The unknown is `R - I`, which is zero where the surface stays.
+            let given = region.at_handles(|h| (matrix(h) - Mat3::IDENTITY).col(column));
+            given.into_iter().enumerate().for_each(|(v, value)| block.set_vector(column, v, value));
+        }
+        field::spread(system, &mut block);
+        let columns = [0, 1, 2].map(|column| block.vectors(column));
+        let sum = |v| Mat3::IDENTITY + Mat3::from_cols(columns[0][v], columns[1][v], columns[2][v]);
+        let rotation = |v| if self.options.project { nearest_rotation(sum(v)) } else { sum(v) };
+        (0..block.rows()).into_par_iter().map(rotation).collect()
+    }
+}
+
+impl Response for RotationInvariant {
+    fn displacements(&self, region: &Region, goal: &Goal) -> Vec<Vec3> {
+        let rotations = self.rotations(region, goal);
+        let (mesh, rest) = (region.mesh(), region.mesh().rest());
+        let mut asked = vec![Vec3::ZERO; rest.len()];
+        for (&[i, j], &w) in mesh.adjacency().edges().iter().zip(&self.weights) {
+            let (i, j) = (i as usize, j as usize);
+            let mean = (rotations[i] + rotations[j]) * 0.5;
+            let change = (mean - Mat3::IDENTITY) * (rest[j] - rest[i]) * w;
+            asked[i] -= change;
+            asked[j] += change;
+        }
+        let mut x = Columns::from_vectors(&goal.displacements);
+        self.positions.solve(&Columns::from_vectors(&asked), &mut x);
+        x.vectors(0)
+    }
+}
+
+impl Method for RotationInvariant {
+    fn solve(&mut self, region: &Region, goal: &Goal, _: &SolveOptions, job: &Job) -> Result<Solution> {
+        job.check()?;
+        Ok(Solution::direct(self.displacements(region, goal)))
+    }
+}
+
+fn laplacian(mesh: &Mesh, weights: &[f64]) -> SymmetricMatrix {
+    let edges = mesh.adjacency().edges().iter().zip(weights).map(|(&[i, j], &w)| (i, j, w));
+    SymmetricMatrix::laplacian(mesh.rest().len(), edges)
+}
+
+/// 1, or the sum of half the cotangents opposite.
+fn edge_weights(mesh: &Mesh, weights: Weights) -> Vec<f64> {
+    let edges = mesh.adjacency().edges();
+    if weights == Weights::Uniform {
+        return vec![1.0; edges.len()];
+    }
+    let opposite = |edge: [u32; 2], t: usize| {
+        let apex = mesh.triangles()[t].iter().position(|v| !edge.contains(v));
+        apex.map_or(0.0, |corner| mesh.half_cotangents()[t][corner])
+    };
+    let sum = |(e, &edge): (usize, &[u32; 2])| {
+        let sides = mesh.adjacency().sides_of(e).iter();
+        sides.map(|side| opposite(edge, side.triangle as usize)).sum()
+    };
+    edges.iter().enumerate().map(sum).collect()
+}
+
+/// The weights times the edges' alignment with the direction of largest curvature, `1 + a cos 2 psi` at
+/// either end, where `psi` is the angle between edge and direction and the anisotropy `a` is 1 where the
+/// surface curves in one direction only, 0 where in all alike.
+fn principal_weights(mesh: &Mesh, weights: &[f64]) -> Vec<f64> {
+    let principal = principal_directions(mesh);
+    let rest = mesh.rest();
+    let at = |p: &Principal, edge: Vec3| {
+        let [most, least] = p.curvatures.map(f64::abs);
+        let anisotropy = (most - least) / (most + least + FLAT);
+        let (along, across) = (edge.dot(p.direction), edge.dot(p.normal.cross(p.direction)));
+        let length_squared = (along * along + across * across).max(f64::MIN_POSITIVE);
+        1.0 + anisotropy * (along * along - across * across) / length_squared
+    };
+    let edges = mesh.adjacency().edges().iter().zip(weights);
+    edges
+        .map(|(&[i, j], &weight)| {
+            let (a, b) = (i as usize, j as usize);
+            let edge = rest[b] - rest[a];
+            let alignment = 0.5 * (at(&principal[a], edge) + at(&principal[b], edge));
+            // Negative cotangents are harmless together, but not weighed one by one.
+            weight.max(LEAST_WEIGHT) * alignment.max(LEAST_WEIGHT)
+        })
+        .collect()
+}
