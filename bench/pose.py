@@ -186,7 +186,9 @@ def laplacian_deform():
     for method in lissom.POSE_METHODS:
         if method in ("arap", "multiresolution"):
             continue
-        bind, pose = median_time(lambda m=method: lissom.Pose(lissom.Mesh(vertices, faces), handles, method=m), 3)
+        bind, pose = median_time(
+            lambda m=method: lissom.Pose(lissom.Mesh(vertices, faces), handles, method=m), 3
+        )
         pose.solve(transforms)
         frame = median_time(lambda p=pose: p.solve(transforms), 9)[0]
         results[method] = {
@@ -288,7 +290,9 @@ def million():
     rows = []
     for method in ("arap", "laplacian", "rotation_invariant", "poisson"):
         if method in lissom.POSE_METHODS:
-            rows.append({"vertices": len(mesh[0]), "method": method} | in_child(bind_and_solve, *mesh, method))
+            rows.append(
+                {"vertices": len(mesh[0]), "method": method} | in_child(bind_and_solve, *mesh, method)
+            )
     return rows
 
 

@@ -177,3 +177,25 @@ def test_rotation_must_be_one_of_those_offered():
     start, faces, end = twisted_tube()
     with pytest.raises((ValueError, lissom.InvalidValue), match="rotation"):
         lissom.Inbetween(lissom.Mesh(start, faces), start, end, rotation="sideways")
+
+
+@pytest.mark.parametrize("mirror", [(-1, 1, 1), (-1, -1, -1)])
+def test_a_mirror_image_is_noticed(mirror):
+    vertices, faces = tube(rows=30, columns=20)
+    mesh = lissom.Mesh(vertices, faces)
+    assert any(
+        "mirror image" in line for line in lissom.Inbetween(mesh, vertices, vertices * mirror).warnings
+    )
+    turned = moved(rigid((1, 1, 0), 3.0), vertices)
+    assert lissom.Inbetween(mesh, vertices, turned).warnings == []
+
+
+def test_a_path_and_its_shapes_as_jobs():
+    vertices, faces = tube(rows=30, columns=20)
+    mesh, turned = lissom.Mesh(vertices, faces), moved(rigid((1, 1, 0), 2.0), vertices)
+    path = lissom.start_inbetween(mesh, vertices, turned, rotation="shortest").result()
+    assert np.array_equal(path.start([0.3]).result(), path.at([0.3]))
+    with pytest.raises(lissom.InvalidValue, match="rotation: 'widest' is none of"):
+        lissom.start_inbetween(mesh, vertices, turned, rotation="widest")
+    with pytest.raises(lissom.InvalidValue, match="max_keys: must not be negative, got -1"):
+        path.keyframes(0.1, max_keys=-1)

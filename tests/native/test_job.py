@@ -112,3 +112,44 @@ def test_two_threads_may_wait_for_one_job(pose):
         thread.join(20)
     assert len(found) == 2
     assert found[0] is found[1]
+
+
+def test_a_forked_process_can_work():
+    """Threads of the parent do not survive a fork, so a child that waited for them would hang."""
+    script = """
+import multiprocessing, sys, numpy as np, lissom
+sys.path.insert(0, sys.argv[1])
+from shapes import ends, rigid, tube
+vertices, faces = tube()
+pose = lissom.Pose(lissom.Mesh(vertices, faces), ends(vertices))
+def work(angle):
+    return pose.solve([np.eye(4), rigid((0, 0, 1), angle)], warm_start=False).vertices.sum()
+expected = work(0.5)
+with multiprocessing.get_context("fork").Pool(2) as pool:
+    assert pool.map(work, [0.5, 0.5, 0.5]) == [expected] * 3
+"""
+    here = __file__.rsplit("/", 1)[0]
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", script, here], timeout=60, capture_output=True
+    )
+    assert done.returncode == 0, done.stderr.decode()
+
+
+def test_a_dropped_job_stops(pose):
+    """The pose is free again at once, which it would not be while a solve went on."""
+    job = pose.start(GOAL, **ENDLESS)
+    time.sleep(0.1)
+    del job
+    begin = time.perf_counter()
+    pose.solve(GOAL, max_iterations=1)
+    assert time.perf_counter() - begin < 5.0
+
+
+def test_counts_are_checked(pose):
+    with pytest.raises(lissom.InvalidValue, match="max_iterations: must not be negative, got -1"):
+        pose.solve(GOAL, max_iterations=-1)
+
+
+def test_errors_have_their_names():
+    assert lissom.Error.__name__ == "Error"
+    assert issubclass(lissom.InvalidValue, (lissom.Error, ValueError))

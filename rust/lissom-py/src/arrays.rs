@@ -85,8 +85,8 @@ fn indices(
     let array = array.try_readonly()?;
     let values = array.as_slice()?;
     let row = expected.iter().skip(1).product::<i64>().max(1) as usize;
-    let bad = values.iter().enumerate().filter(|(_, v)| u32::try_from(**v).is_err());
-    if let Some(fault) = Fault::at(name, "index negative or too large", bad.map(|(i, _)| i / row)) {
+    let bad = values.chunks(row).enumerate().filter(|(_, r)| r.iter().any(|&v| u32::try_from(v).is_err()));
+    if let Some(fault) = Fault::at(name, "index negative or too large", bad.map(|(i, _)| i)) {
         return Err(errors::to_python(py, invalid(fault)));
     }
     Ok(values.iter().map(|&v| v as u32).collect())
@@ -104,6 +104,9 @@ pub fn points(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3>> {
 /// (k, n, 3) poses of n vertices.
 pub fn poses(name: &str, value: &Bound<'_, PyAny>, vertices: usize) -> PyResult<Vec<Vec<Vec3>>> {
     let n = vertices as i64;
+    if matches!(native(name, value, Kind::Float)?.0.as_slice(), [0]) {
+        return Ok(Vec::new());
+    }
     let (_, values) = floats(name, value, &[-1, n, 3])?;
     Ok(values.chunks_exact(3 * vertices.max(1)).map(to_points).collect())
 }
@@ -154,6 +157,12 @@ pub fn number_lists(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Option
         if item.is_none() { Ok(None) } else { numbers(&format!("{name}[{i}]"), &item).map(Some) }
     };
     items.enumerate().map(list).collect()
+}
+
+/// A count: a whole number that is not negative.
+pub fn count(py: Python<'_>, name: &str, given: i64) -> PyResult<usize> {
+    let problem = || Fault::new(name, format!("must not be negative, got {given}"));
+    usize::try_from(given).map_err(|_| errors::to_python(py, Error::InvalidValue(problem())))
 }
 
 /// Refuses a sequence of another length.

@@ -1,23 +1,23 @@
 //! The core's errors as Python exceptions, exhaustively.
 
-use lissom::{Error, Fault};
+use lissom::{Error as CoreError, Fault};
 use pyo3::create_exception;
 use pyo3::exceptions::{PyException, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyType};
 
-create_exception!(lissom, BaseError, PyException, "Everything that lissom raises by itself.");
-create_exception!(lissom, InvalidMesh, BaseError, "The mesh cannot be worked with.");
+create_exception!(lissom, Error, PyException, "Everything that lissom raises by itself.");
+create_exception!(lissom, InvalidMesh, Error, "The mesh cannot be worked with.");
 create_exception!(
     lissom,
     InvalidConstraint,
-    BaseError,
+    Error,
     "Handles, markers, targets or a region contradict the mesh or each other."
 );
-create_exception!(lissom, SolveFailed, BaseError, "The linear algebra gave up, or the result overflowed.");
-create_exception!(lissom, Cancelled, BaseError, "The job was cancelled; nothing has changed.");
-create_exception!(lissom, InternalError, BaseError, "A bug in lissom: please report it with its message.");
+create_exception!(lissom, SolveFailed, Error, "The linear algebra gave up, or the result overflowed.");
+create_exception!(lissom, Cancelled, Error, "The job was cancelled; nothing has changed.");
+create_exception!(lissom, InternalError, Error, "A bug in lissom: please report it with its message.");
 
 static INVALID_VALUE: PyOnceLock<Py<PyType>> = PyOnceLock::new();
 
@@ -27,7 +27,7 @@ fn invalid_value(py: Python<'_>) -> PyResult<&Bound<'_, PyType>> {
         let dict = PyDict::new(py);
         dict.set_item("__module__", "lissom")?;
         dict.set_item("__doc__", "An option or a number is out of its range.")?;
-        let bases = (py.get_type::<BaseError>(), py.get_type::<PyValueError>());
+        let bases = (py.get_type::<Error>(), py.get_type::<PyValueError>());
         let made = py.get_type::<PyType>().call1(("InvalidValue", bases, dict))?;
         Ok::<_, PyErr>(made.cast_into::<PyType>()?.unbind())
     };
@@ -36,7 +36,7 @@ fn invalid_value(py: Python<'_>) -> PyResult<&Bound<'_, PyType>> {
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
-    module.add("Error", py.get_type::<BaseError>())?;
+    module.add("Error", py.get_type::<Error>())?;
     module.add("InvalidMesh", py.get_type::<InvalidMesh>())?;
     module.add("InvalidConstraint", py.get_type::<InvalidConstraint>())?;
     module.add("InvalidValue", invalid_value(py)?)?;
@@ -46,17 +46,17 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 }
 
 /// The exception for an error of the core.
-pub fn to_python(py: Python<'_>, error: Error) -> PyErr {
+pub fn to_python(py: Python<'_>, error: CoreError) -> PyErr {
     let message = error.to_string();
     match error {
-        Error::InvalidMesh(fault) => located(py, InvalidMesh::new_err(message), &fault),
-        Error::InvalidConstraint(fault) => located(py, InvalidConstraint::new_err(message), &fault),
-        Error::InvalidValue(fault) => match invalid_value(py) {
+        CoreError::InvalidMesh(fault) => located(py, InvalidMesh::new_err(message), &fault),
+        CoreError::InvalidConstraint(fault) => located(py, InvalidConstraint::new_err(message), &fault),
+        CoreError::InvalidValue(fault) => match invalid_value(py) {
             Ok(class) => located(py, PyErr::from_type(class.clone(), message), &fault),
             Err(error) => error,
         },
-        Error::SolveFailed(_) => SolveFailed::new_err(message),
-        Error::Cancelled => Cancelled::new_err(message),
+        CoreError::SolveFailed(_) => SolveFailed::new_err(message),
+        CoreError::Cancelled => Cancelled::new_err(message),
     }
 }
 

@@ -4,10 +4,11 @@ use std::ffi::CString;
 use std::sync::Arc;
 
 use lissom::inbetween::{Inbetween, InbetweenOptions, Rotation};
+use lissom::{Job, Vec3};
 use pyo3::exceptions::PyRuntimeWarning;
 use pyo3::prelude::*;
 
-use crate::job::run_value;
+use crate::job::{PyJob, run_value};
 use crate::mesh::PyMesh;
 use crate::{arrays, job};
 
@@ -25,6 +26,50 @@ pub struct PyInbetween {
     vertices: usize,
 }
 
+type Work<T> = Box<dyn FnOnce(&Job) -> lissom::Result<T> + Send>;
+type Convert = Box<dyn FnOnce(Python<'_>, Vec<Vec<Vec3>>) -> PyResult<Py<PyAny>> + Send>;
+
+impl PyInbetween {
+    fn work(&self, times: &Bound<'_, PyAny>) -> PyResult<(Work<Vec<Vec<Vec3>>>, Convert)> {
+        let times = arrays::numbers("times", times)?;
+        let (path, n) = (self.path.clone(), self.vertices);
+        Ok((
+            Box::new(move |job| path.at(&times, job)),
+            Box::new(move |py, poses| arrays::from_poses(py, &poses, n)),
+        ))
+    }
+}
+
+/// From the arguments of `Inbetween` to the work that makes one.
+fn prepare(
+    mesh: &Bound<'_, PyMesh>,
+    start: &Bound<'_, PyAny>,
+    end: &Bound<'_, PyAny>,
+    rotation: &str,
+) -> PyResult<Work<Inbetween>> {
+    let (start, end) = (arrays::points("start", start)?, arrays::points("end", end)?);
+    let kinds = [("consistent", Rotation::Consistent), ("shortest", Rotation::Shortest)];
+    let options = InbetweenOptions { rotation: arrays::choice(mesh.py(), "rotation", rotation, &kinds)? };
+    let mesh = mesh.get().0.clone();
+    Ok(Box::new(move |job| Inbetween::new(mesh, &start, &end, options, job)))
+}
+
+/// `Inbetween(...)` in the background: returns a Job whose result is the Inbetween.
+#[pyfunction]
+#[pyo3(signature = (mesh, start, end, rotation="consistent"))]
+pub fn start_inbetween(
+    mesh: &Bound<'_, PyMesh>,
+    start: &Bound<'_, PyAny>,
+    end: &Bound<'_, PyAny>,
+    rotation: &str,
+) -> PyResult<PyJob> {
+    let vertices = mesh.get().0.vertices().len();
+    let convert = move |py: Python<'_>, path| {
+        Ok(Py::new(py, PyInbetween { path: Arc::new(path), vertices })?.into_any())
+    };
+    PyJob::start(prepare(mesh, start, end, rotation)?, convert)
+}
+
 #[pymethods]
 impl PyInbetween {
     #[new]
@@ -35,13 +80,8 @@ impl PyInbetween {
         end: &Bound<'_, PyAny>,
         rotation: &str,
     ) -> PyResult<Self> {
-        let py = mesh.py();
-        let (start, end) = (arrays::points("start", start)?, arrays::points("end", end)?);
-        let kinds = [("consistent", Rotation::Consistent), ("shortest", Rotation::Shortest)];
-        let options = InbetweenOptions { rotation: arrays::choice(py, "rotation", rotation, &kinds)? };
-        let mesh = mesh.get().0.clone();
-        let vertices = mesh.vertices().len();
-        let path = run_value(py, move |job| Inbetween::new(mesh, &start, &end, options, job))?;
+        let vertices = mesh.get().0.vertices().len();
+        let path = run_value(mesh.py(), prepare(mesh, start, end, rotation)?)?;
         Ok(Self { path: Arc::new(path), vertices })
     }
 
@@ -55,18 +95,22 @@ impl PyInbetween {
     ///
     /// Raises InvalidValue for times that are not within 0 and 1.
     fn at(&self, times: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        let py = times.py();
-        let times = arrays::numbers("times", times)?;
-        let (path, n) = (self.path.clone(), self.vertices);
-        let convert = move |py: Python<'_>, poses: Vec<_>| arrays::from_poses(py, &poses, n);
-        job::run(py, move |job| path.at(&times, job), convert)
+        let (work, convert) = self.work(times)?;
+        job::run(times.py(), work, convert)
+    }
+
+    /// `at` in the background: returns a Job at once.
+    fn start(&self, times: &Bound<'_, PyAny>) -> PyResult<PyJob> {
+        let (work, convert) = self.work(times)?;
+        PyJob::start(work, convert)
     }
 
     /// The fewest times (k,), 0 and 1 among them, between which straight lines stay within `tolerance` (in
     /// the mesh's own units) of the path everywhere; at most `max_keys`, with a RuntimeWarning where these
     /// do not suffice.
     #[pyo3(signature = (tolerance, max_keys=32))]
-    fn keyframes(&self, py: Python<'_>, tolerance: f64, max_keys: usize) -> PyResult<Py<PyAny>> {
+    fn keyframes(&self, py: Python<'_>, tolerance: f64, max_keys: i64) -> PyResult<Py<PyAny>> {
+        let max_keys = arrays::count(py, "max_keys", max_keys)?;
         let path = self.path.clone();
         let keys = run_value(py, move |job| path.keyframes(tolerance, max_keys, job))?;
         for warning in keys.warnings {

@@ -2,7 +2,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use lissom::{Error, Job};
@@ -34,11 +34,48 @@ enum State {
 /// Work that goes on in the background.
 ///
 /// `progress` is (fraction in 0-1, name of the stage); `result()` waits and returns what the blocking
-/// call would, or raises what it would; `cancel()` makes it raise `lissom.Cancelled`.
+/// call would, or raises what it would; `cancel()` makes it raise `lissom.Cancelled`, and so does dropping
+/// the job.
 #[pyclass(name = "Job", module = "lissom", frozen)]
 pub struct PyJob {
     job: Job,
     state: Mutex<State>,
+}
+
+impl Drop for PyJob {
+    /// Nobody can ask for the result any more.
+    fn drop(&mut self) {
+        self.job.cancel();
+    }
+}
+
+/// The process that imported the module.
+pub static HOME: OnceLock<u32> = OnceLock::new();
+
+/// The pool of a forked process, and which.
+static FORKED: Mutex<Option<(u32, Arc<rayon::ThreadPool>)>> = Mutex::new(None);
+
+/// Runs `work` with threads that exist: those of rayon's own pool do not survive a fork (as by Python's
+/// multiprocessing), and waiting for them would be forever.
+fn in_own_pool<T: Send>(work: impl FnOnce() -> lissom::Result<T> + Send) -> lissom::Result<T> {
+    let process = std::process::id();
+    if *HOME.get_or_init(|| process) == process {
+        return work();
+    }
+    let pool = {
+        let mut forked = FORKED.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*forked {
+            Some((owner, pool)) if *owner == process => pool.clone(),
+            _ => {
+                let made = rayon::ThreadPoolBuilder::new().build();
+                let made = Arc::new(made.map_err(|error| Error::SolveFailed(error.to_string()))?);
+                // A pool of the parent is left alone: to drop it would wait for its threads.
+                std::mem::forget(forked.replace((process, made.clone())));
+                made
+            }
+        }
+    };
+    pool.install(work)
 }
 
 impl PyJob {
@@ -51,7 +88,7 @@ impl PyJob {
         let (sender, receiver) = channel();
         let shared = job.clone();
         let run = move || {
-            let outcome = match catch_unwind(AssertUnwindSafe(|| work(&shared))) {
+            let outcome = match catch_unwind(AssertUnwindSafe(|| in_own_pool(|| work(&shared)))) {
                 Ok(Ok(value)) => Outcome::Done(Box::new(move |py: Python<'_>| convert(py, value))),
                 Ok(Err(error)) => Outcome::Failed(error),
                 Err(payload) => Outcome::Panicked(payload),

@@ -17,11 +17,13 @@ use pyo3::prelude::*;
 #[pymodule(name = "lissom")]
 fn lissom_py(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    job::HOME.get_or_init(std::process::id);
     errors::register(module)?;
     module.add_class::<job::PyJob>()?;
     module.add_class::<mesh::PyMesh>()?;
     pose::register(module)?;
     transfer::register(module)?;
     module.add_class::<inbetween::PyInbetween>()?;
+    module.add_function(wrap_pyfunction!(inbetween::start_inbetween, module)?)?;
     module.add_function(wrap_pyfunction!(job::_panic, module)?)
 }

@@ -10,8 +10,8 @@ use crate::{arrays, job};
 /// A triangle mesh, checked once.
 ///
 /// Mesh(vertices, triangles): vertices (n, 3) float in any units, triangles (m, 3) integers counted
-/// from 0. Raises InvalidMesh where the mesh cannot be worked with (BAD_INPUT rows 1, 2, 6, 9), and
-/// says in `warnings` what was mended or is doubtful.
+/// from 0. Raises InvalidMesh for no vertices or faces, values that are not finite, indices out of range
+/// and points that are all coincident or on one line, and says in `warnings` what was mended or is doubtful.
 #[pyclass(name = "Mesh", module = "lissom", frozen)]
 pub struct PyMesh(pub Arc<Mesh>);
 

@@ -188,6 +188,16 @@ pub struct PyPose {
     warnings: Vec<String>,
 }
 
+fn solve_options(
+    py: Python<'_>,
+    max_iterations: i64,
+    tolerance: f64,
+    warm_start: bool,
+) -> PyResult<SolveOptions> {
+    let max_iterations = arrays::count(py, "max_iterations", max_iterations)?;
+    Ok(SolveOptions { max_iterations, tolerance, warm_start })
+}
+
 /// What the two ways to solve have in common: from arrays to a closure for a worker.
 type Work = Box<dyn FnOnce(&Job) -> lissom::Result<Posed> + Send>;
 
@@ -265,50 +275,57 @@ impl PyPose {
     ///
     /// Returns an object with `vertices` (n, 3) and `report`. Raises InvalidConstraint for a wrong number
     /// of matrices and for values that are not finite.
-    #[pyo3(signature = (transforms, *, turns=None, max_iterations=SolveOptions::default().max_iterations,
-                        tolerance=SolveOptions::default().tolerance, warm_start=true))]
+    #[pyo3(signature = (transforms, *, turns=None, max_iterations=200,
+                        tolerance=1e-6, warm_start=true))]
     fn solve(
         &self,
         transforms: &Bound<'_, PyAny>,
         turns: Option<&Bound<'_, PyAny>>,
-        max_iterations: usize,
+        max_iterations: i64,
         tolerance: f64,
         warm_start: bool,
     ) -> PyResult<Py<PyAny>> {
-        let work =
-            self.by_transforms(transforms, turns, SolveOptions { max_iterations, tolerance, warm_start })?;
+        let work = self.by_transforms(
+            transforms,
+            turns,
+            solve_options(transforms.py(), max_iterations, tolerance, warm_start)?,
+        )?;
         job::run(transforms.py(), work, posed)
     }
 
     /// Poses by points: targets (k, 3), one row per handle vertex, handles in order.
     ///
     /// Each handle's rotation is estimated from its own vertices. Otherwise as `solve`.
-    #[pyo3(signature = (targets, *, max_iterations=SolveOptions::default().max_iterations,
-                        tolerance=SolveOptions::default().tolerance, warm_start=true))]
+    #[pyo3(signature = (targets, *, max_iterations=200,
+                        tolerance=1e-6, warm_start=true))]
     fn solve_points(
         &self,
         targets: &Bound<'_, PyAny>,
-        max_iterations: usize,
+        max_iterations: i64,
         tolerance: f64,
         warm_start: bool,
     ) -> PyResult<Py<PyAny>> {
-        let work = self.by_points(targets, SolveOptions { max_iterations, tolerance, warm_start })?;
+        let work =
+            self.by_points(targets, solve_options(targets.py(), max_iterations, tolerance, warm_start)?)?;
         job::run(targets.py(), work, posed)
     }
 
     /// `solve` in the background: returns a Job at once.
-    #[pyo3(signature = (transforms, *, turns=None, max_iterations=SolveOptions::default().max_iterations,
-                        tolerance=SolveOptions::default().tolerance, warm_start=true))]
+    #[pyo3(signature = (transforms, *, turns=None, max_iterations=200,
+                        tolerance=1e-6, warm_start=true))]
     fn start(
         &self,
         transforms: &Bound<'_, PyAny>,
         turns: Option<&Bound<'_, PyAny>>,
-        max_iterations: usize,
+        max_iterations: i64,
         tolerance: f64,
         warm_start: bool,
     ) -> PyResult<PyJob> {
-        let work =
-            self.by_transforms(transforms, turns, SolveOptions { max_iterations, tolerance, warm_start })?;
+        let work = self.by_transforms(
+            transforms,
+            turns,
+            solve_options(transforms.py(), max_iterations, tolerance, warm_start)?,
+        )?;
         PyJob::start(work, posed)
     }
 }

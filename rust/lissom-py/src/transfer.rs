@@ -19,7 +19,8 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<PyTransfer>()?;
     module.add_class::<PyTransferred>()?;
     module.add_function(wrap_pyfunction!(fit_correspondence, module)?)?;
-    module.add_function(wrap_pyfunction!(start_fit, module)?)
+    module.add_function(wrap_pyfunction!(start_fit, module)?)?;
+    module.add_function(wrap_pyfunction!(start_transfer, module)?)
 }
 
 /// A source pulled onto a target: `pairs` (p, 2) of source and target triangle, `fitted_vertices`
@@ -89,10 +90,12 @@ fn fit_correspondence(
     smoothness: f64,
     identity: f64,
     closest: f64,
-    steps: usize,
-    rounds: usize,
+    steps: i64,
+    rounds: i64,
     match_distance: f64,
 ) -> PyResult<Py<PyAny>> {
+    let py = source.py();
+    let (steps, rounds) = (arrays::count(py, "steps", steps)?, arrays::count(py, "rounds", rounds)?);
     let options = FitOptions { smoothness, identity, closest, steps, rounds, match_distance };
     job::run(source.py(), fit_work(source, target, markers, options)?, fitted)
 }
@@ -109,10 +112,12 @@ fn start_fit(
     smoothness: f64,
     identity: f64,
     closest: f64,
-    steps: usize,
-    rounds: usize,
+    steps: i64,
+    rounds: i64,
     match_distance: f64,
 ) -> PyResult<PyJob> {
+    let py = source.py();
+    let (steps, rounds) = (arrays::count(py, "steps", steps)?, arrays::count(py, "rounds", rounds)?);
     let options = FitOptions { smoothness, identity, closest, steps, rounds, match_distance };
     PyJob::start(fit_work(source, target, markers, options)?, fitted)
 }
@@ -160,19 +165,8 @@ impl PyTransfer {
         unmatched: &str,
         weighting: &str,
     ) -> PyResult<Self> {
-        let py = source.py();
-        let pairs = match fit.cast::<PyFit>() {
-            Ok(fit) => arrays::pairs("fit", fit.get().pairs.bind(py))?,
-            Err(_) => arrays::pairs("fit", fit)?,
-        };
-        let kinds = [("follow", Unmatched::Follow), ("rest", Unmatched::Rest)];
-        let unmatched = choice(py, "unmatched", unmatched, &kinds)?;
-        let kinds = [("pairs", Weighting::Pairs), ("area", Weighting::Area)];
-        let weighting = choice(py, "weighting", weighting, &kinds)?;
-        let (source, target) = (source.get().0.clone(), target.get().0.clone());
-        let options = TransferOptions { unmatched, weighting };
-        let made = run_value(py, move |job| Transfer::new(source, target, &pairs, options, job))?;
-        Ok(Self(Arc::new(made)))
+        let work = prepare(source, target, fit, unmatched, weighting)?;
+        Ok(Self(Arc::new(run_value(source.py(), work)?)))
     }
 
     /// list of str: what is doubtful about the matches.
@@ -192,4 +186,40 @@ impl PyTransfer {
     fn start(&self, poses: &Bound<'_, PyAny>) -> PyResult<PyJob> {
         PyJob::start(self.work(poses)?, transferred(self.0.target().clone()))
     }
+}
+
+/// From the arguments of `Transfer` to the work that makes one.
+fn prepare(
+    source: &Bound<'_, PyMesh>,
+    target: &Bound<'_, PyMesh>,
+    fit: &Bound<'_, PyAny>,
+    unmatched: &str,
+    weighting: &str,
+) -> PyResult<Work<Transfer>> {
+    let py = source.py();
+    let pairs = match fit.cast::<PyFit>() {
+        Ok(fit) => arrays::pairs("fit", fit.get().pairs.bind(py))?,
+        Err(_) => arrays::pairs("fit", fit)?,
+    };
+    let kinds = [("follow", Unmatched::Follow), ("rest", Unmatched::Rest)];
+    let unmatched = choice(py, "unmatched", unmatched, &kinds)?;
+    let kinds = [("pairs", Weighting::Pairs), ("area", Weighting::Area)];
+    let weighting = choice(py, "weighting", weighting, &kinds)?;
+    let (source, target) = (source.get().0.clone(), target.get().0.clone());
+    let options = TransferOptions { unmatched, weighting };
+    Ok(Box::new(move |job| Transfer::new(source, target, &pairs, options, job)))
+}
+
+/// `Transfer(...)` in the background: returns a Job whose result is the Transfer.
+#[pyfunction]
+#[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="pairs"))]
+fn start_transfer(
+    source: &Bound<'_, PyMesh>,
+    target: &Bound<'_, PyMesh>,
+    fit: &Bound<'_, PyAny>,
+    unmatched: &str,
+    weighting: &str,
+) -> PyResult<PyJob> {
+    let convert = |py: Python<'_>, made| Ok(Py::new(py, PyTransfer(Arc::new(made)))?.into_any());
+    PyJob::start(prepare(source, target, fit, unmatched, weighting)?, convert)
 }

@@ -43,13 +43,16 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
-use crate::mesh::geometry::{TriangleGeometry, UnitFrame};
+use crate::mesh::geometry::{TriangleGeometry, UnitFrame, normal_and_area};
 use crate::mesh::validate;
 use crate::operators::hats_of;
 use crate::{Error, Fault, Job, Mesh, Result, Vec3};
 use branches::{Neighbours, Turn};
 
 pub use keyframes::Keyframes;
+
+/// Correlation of the folds at both ends, below the negative of which a component counts as mirrored.
+const MIRRORED: f64 = 0.5;
 
 /// How the turn of a triangle is chosen among all that lead to the same rotation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -152,6 +155,12 @@ impl Inbetween {
         let problem = "triangles that turn over against their neighbours between start and end";
         say("end", problem, &mut neighbours.inverted(&motions));
 
+        let components = mesh.components();
+        let problem = "components that are a mirror image of the start and cave in on the way, named by their first vertex";
+        let firsts = components.members();
+        let firsts = mirrored(&mesh, &a, &b).into_iter().map(|c| firsts[c][0] as usize);
+        warnings.extend(Fault::at("end", problem, firsts).map(|fault| fault.to_string()));
+
         job.report(0.5, "factorization");
         job.check()?;
         let (held, afloat) = holds(&mesh, &still);
@@ -198,6 +207,31 @@ fn shape_frame(argument: &str, mesh: &Mesh, shape: &[Vec3]) -> Result<UnitFrame>
         Error::InvalidMesh(fault) => Error::InvalidValue(Fault { argument: argument.to_owned(), ..fault }),
         other => other,
     })
+}
+
+/// Components whose folds are turned inside out: the angles between their triangles, signed and weighted
+/// by the edges, are opposite on the whole.
+fn mirrored(mesh: &Mesh, a: &[Vec3], b: &[Vec3]) -> Vec<usize> {
+    let triangles = mesh.triangles();
+    let fold = |x: &[Vec3], edge: [u32; 2], sides: [u32; 2]| {
+        let normal = |t: u32| normal_and_area(triangles[t as usize].map(|v| x[v as usize])).0;
+        let [m, n] = sides.map(normal);
+        m.cross(n).dot(x[edge[1] as usize] - x[edge[0] as usize])
+    };
+    let mut products = vec![[0.0; 3]; mesh.components().count()];
+    for (e, &edge) in mesh.adjacency().edges().iter().enumerate() {
+        if let ([p, q], Some(c)) =
+            (mesh.adjacency().sides_of(e), mesh.components().of_vertex(edge[0] as usize))
+        {
+            let sides = [p.triangle, q.triangle];
+            let (f, g) = (fold(a, edge, sides), fold(b, edge, sides));
+            for (sum, term) in products[c].iter_mut().zip([f * g, f * f, g * g]) {
+                *sum += term;
+            }
+        }
+    }
+    let opposite = |&(_, &[fg, ff, gg]): &(usize, &[f64; 3])| fg < -MIRRORED * (ff * gg).sqrt() && fg < 0.0;
+    products.iter().enumerate().filter(opposite).map(|(c, _)| c).collect()
 }
 
 /// Whether `a` comes before `b` at the first number in which they differ.

@@ -41,6 +41,9 @@ const FLIPPED: f64 = 0.01;
 /// Vertices looked up between two looks at the job.
 const BATCH: usize = 4096;
 
+/// Most weights, and most rounds at each; far beyond what anything gains from.
+const MOST_ROUNDS: usize = 1000;
+
 /// What the fit may be told.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitOptions {
@@ -74,6 +77,18 @@ impl FitOptions {
             ("closest", self.closest),
             ("match_distance", self.match_distance),
         ];
+        for (name, count) in [("steps", self.steps), ("rounds", self.rounds)] {
+            if !(1..=MOST_ROUNDS).contains(&count) {
+                let problem = format!("must be from 1 to {MOST_ROUNDS}, got {count}");
+                return Err(Error::InvalidValue(Fault::new(name, problem)));
+            }
+        }
+        if self.closest < 1.0 {
+            return Err(Error::InvalidValue(Fault::new(
+                "closest",
+                "must be at least 1, the weight it starts from",
+            )));
+        }
         for (name, value) in positive {
             if !(value.is_finite() && value > 0.0) {
                 let problem = format!("must be a positive number, got {value}");
