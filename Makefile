@@ -1,6 +1,7 @@
 # make demo       the three jobs on real data, headless: build/demo/report.md, pictures, a .blend
 # make test       every test: core, binding, add-on logic, and inside real Blenders
 # make lint       rustfmt, clippy, ruff
+# make bench      measured against libigl and Blender's Laplacian Deform; needs LISSOM_DATA
 # make extension  dist/lissom-<version>-<platform>.zip, for Blender's "Install from Disk"
 #
 # Needs Rust, make and Python 3.11; everything else goes into .venv/ and build/ of this folder.
@@ -17,7 +18,7 @@ TOOLS := .venv/tools/ready
 WHEEL := dist/wheel.stamp
 
 .SECONDARY:
-.PHONY: all demo test test-rust test-native test-blender lint extension clean
+.PHONY: all demo test test-rust test-native test-blender lint extension bench clean
 all: extension
 
 # --- tools, wheel, Blenders -------------------------------------------------------------------------
@@ -73,6 +74,12 @@ lint: $(TOOLS)
 
 extension: $(WHEEL)
 	.venv/tools/bin/python tools/build_extension.py
+
+bench: $(WHEEL)
+	test -x .venv/bench/bin/python || $(PYTHON) -m venv .venv/bench
+	.venv/bench/bin/python $(PIP_INSTALL) 'bpy==5.0.*' 'libigl==2.6.*'
+	.venv/bench/bin/python $(PIP_INSTALL) --force-reinstall --no-deps dist/*.whl
+	.venv/bench/bin/python bench/pose.py --out build/bench
 
 clean:
 	rm -rf .venv build dist target

@@ -3,8 +3,7 @@
     make bench              all of it
     python bench/pose.py arap laplacian_deform table million
 
-Times are medians of five; ratios are taken within the run, since machines differ and are noisy. Beside each
-time stands what it is as a multiple of one pass over the memory of the factor (a sum over as many numbers).
+Times are medians of five; ratios are taken within the run, since machines differ and are noisy.
 """
 
 import argparse
@@ -72,12 +71,6 @@ def energy(vertices, faces, posed):
     return size - 2 * s.sum()
 
 
-def memory_pass(numbers):
-    """Seconds of one pass over so many float64."""
-    block = np.ones(numbers)
-    return median_time(block.sum)[0]
-
-
 def arap(libigl_iterations):
     """nefertiti: set-up, one iteration, and the time to the energy that libigl ends with."""
     import igl
@@ -88,7 +81,6 @@ def arap(libigl_iterations):
     targets = np.concatenate(
         [vertices[h] @ m[:3, :3].T + m[:3, 3] for h, m in zip(handles, transforms, strict=True)]
     )
-    mesh = lissom.Mesh(vertices, faces)
 
     def igl_bind(iterations=1):
         state = igl.ARAPData()
@@ -112,11 +104,11 @@ def arap(libigl_iterations):
     igl_total = time.perf_counter() - begin
 
     low, high = 0, 1
-    reach = lambda k: energy(  # noqa: E731
-        vertices,
-        faces,
-        pose.solve(transforms, max_iterations=k, tolerance=0.0, warm_start=False).vertices,
-    )
+
+    def reach(iterations):
+        options = {"max_iterations": iterations, "tolerance": 0.0, "warm_start": False}
+        return energy(vertices, faces, pose.solve(transforms, **options).vertices)
+
     while reach(high) > final and high < 4096:
         low, high = high, 2 * high
     while high - low > 1:
@@ -124,7 +116,6 @@ def arap(libigl_iterations):
         low, high = (low, middle) if reach(middle) <= final else (middle, high)
     options = {"max_iterations": high, "tolerance": 0.0, "warm_start": False}
     total = median_time(lambda: pose.solve(transforms, **options))[0]
-    del mesh
     return {
         "vertices": len(vertices),
         "bind": bind,
@@ -272,28 +263,21 @@ def table():
         source = nefertiti if wanted < 49000 else large
         mesh = decimated_to(*source, wanted)
         for method in ("laplacian", "laplacian_fitted"):
-            if method in lissom.POSE_METHODS:
-                row = in_child(set_up_and_play, *mesh, method)
-                rows.append({"vertices": len(mesh[0]), "method": method} | row)
+            row = in_child(set_up_and_play, *mesh, method)
+            rows.append({"vertices": len(mesh[0]), "method": method} | row)
     return rows
 
 
 def million():
     """A million vertices: bind and solve."""
-    mesh = model("nefertiti")
-    for _ in range(2):
+    mesh = model("ogre")
+    for _ in range(3):
         mesh = subdivided(*mesh)
-    triangles = mesh[1]
-    side = 450
-    del triangles, side
-    mesh = subdivided(*mesh) if len(mesh[0]) < 600_000 else mesh
-    rows = []
-    for method in ("arap", "laplacian", "rotation_invariant", "poisson"):
-        if method in lissom.POSE_METHODS:
-            rows.append(
-                {"vertices": len(mesh[0]), "method": method} | in_child(bind_and_solve, *mesh, method)
-            )
-    return rows
+    mesh = decimated_to(*mesh, 1_000_000)
+    return [
+        {"vertices": len(mesh[0]), "method": method} | in_child(bind_and_solve, *mesh, method)
+        for method in ("arap", "laplacian", "rotation_invariant", "poisson")
+    ]
 
 
 def bind_and_solve(vertices, faces, method):
@@ -309,7 +293,7 @@ def bind_and_solve(vertices, faces, method):
 def main():
     parts = ["arap", "laplacian_deform", "table", "million"]
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("parts", nargs="*", choices=[*parts, []], default=parts)
+    parser.add_argument("parts", nargs="*", metavar="PART", default=parts)
     parser.add_argument("--libigl-iterations", type=int, default=1000)
     parser.add_argument("--out", type=Path, default=Path("build/bench"))
     arguments = parser.parse_args()

@@ -134,3 +134,17 @@ def test_row_40_cancel_within_a_fifth_of_a_second(data):
             job.result()
         taken.append(time.perf_counter() - begin)
     assert min(taken) < 0.2
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"steps": 0}, "steps: must be from 1 to 1000, got 0"),
+        ({"rounds": 2000}, "rounds: must be from 1 to 1000, got 2000"),
+        ({"steps": -1}, "steps: must not be negative, got -1"),
+        ({"closest": 0.5}, "closest: must be at least 1"),
+    ],
+)
+def test_schedules_out_of_range(mesh, options, text):
+    with pytest.raises(lissom.InvalidValue, match=text):
+        lissom.fit_correspondence(mesh, mesh, [[0, 0], [9, 9], [200, 200]], **options)

@@ -148,3 +148,12 @@ def test_row_09_pairs_that_cannot_be_used(pairs, text):
     mesh = lissom.Mesh(VERTICES, FACES)
     with pytest.raises(lissom.InvalidConstraint, match=text):
         lissom.Transfer(mesh, mesh, pairs)
+
+
+def test_a_transfer_prepared_in_the_background():
+    mesh = lissom.Mesh(VERTICES, FACES)
+    key = VERTICES + np.sin(VERTICES)
+    here = lissom.Transfer(mesh, mesh, SAME).apply([key]).vertices
+    there = lissom.start_transfer(mesh, mesh, SAME).result()
+    assert np.array_equal(there.apply([key]).vertices, here)
+    assert there.apply([]).vertices.shape == (0, len(VERTICES), 3)

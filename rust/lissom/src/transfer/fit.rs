@@ -83,17 +83,17 @@ impl FitOptions {
                 return Err(Error::InvalidValue(Fault::new(name, problem)));
             }
         }
-        if self.closest < 1.0 {
-            return Err(Error::InvalidValue(Fault::new(
-                "closest",
-                "must be at least 1, the weight it starts from",
-            )));
-        }
         for (name, value) in positive {
             if !(value.is_finite() && value > 0.0) {
                 let problem = format!("must be a positive number, got {value}");
                 return Err(Error::InvalidValue(Fault::new(name, problem)));
             }
+        }
+        if self.closest < 1.0 {
+            return Err(Error::InvalidValue(Fault::new(
+                "closest",
+                "must be at least 1, the weight it starts from",
+            )));
         }
         Ok(())
     }
