@@ -17,7 +17,7 @@ def build(obj, linear, method):
     check_groups(found, names, settings.roi)
     return BoundPose(
         space.into(linear, meshes.rest_positions(obj.data)),
-        meshes.triangles(obj.data),
+        space.outward(linear, meshes.triangles(obj.data)),
         meshes.corners(obj.data),
         [found[name] for name in names],
         found[settings.roi] if settings.roi else None,

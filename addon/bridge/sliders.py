@@ -3,6 +3,7 @@
 import bpy
 
 from ..core import hat
+from ..core.refused import Refused
 
 
 def data_path(slider):
@@ -10,9 +11,17 @@ def data_path(slider):
     return f'["{bpy.utils.escape_identifier(slider)}"]'
 
 
-def add(obj, slider, description):
+def check_name(obj, slider):
+    """Refused where no custom property can have that name, or one with it would shadow Blender's own."""
+    if not slider.strip() or not slider.isprintable():
+        raise Refused(f"{slider!r:.80} is no name for a slider: use visible characters in one line")
+    if slider in obj.bl_rna.properties:
+        raise Refused(f"'{slider}' is a property of all objects: choose another name for the slider")
+
+
+def add(obj, slider, description, value=0.0):
     """Makes the custom property, 0 to 1."""
-    obj[slider] = 0.0
+    obj[slider] = value
     obj.id_properties_ui(slider).update(
         min=0.0, max=1.0, soft_min=0.0, soft_max=1.0, default=0.0, description=description
     )
@@ -54,3 +63,12 @@ def driven_keys(obj, slider):
         if variable.targets[0].id == obj and variable.targets[0].data_path == path
     }
     return [key.name for key in keys.key_blocks if key.path_from_id("value") in driven]
+
+
+def baked_keys(obj, slider):
+    """Names of the driven keys that the arc of this slider made: others are the artist's own.
+
+    By name and by driver, for a name may have gone over to another key since.
+    """
+    arc = obj.lissom_inbetween.arcs.get(slider)
+    return [name for name in driven_keys(obj, slider) if name in arc.keys] if arc else []
