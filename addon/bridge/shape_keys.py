@@ -36,9 +36,7 @@ def key_names(obj):
 
 def previews(mesh):
     """Names of the shape keys that show the live pose of a bound object with this mesh."""
-    return {
-        obj.lissom_pose.preview for obj in bpy.data.objects if obj.data == mesh and obj.lissom_pose.bound
-    }
+    return {obj.lissom_pose.preview for obj in bpy.data.objects if obj.data == mesh and obj.lissom_pose.bound}
 
 
 def refuse_preview(key):
