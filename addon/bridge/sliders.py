@@ -50,8 +50,12 @@ def drive(key, obj, slider, knots, index):
     variable.targets[0].data_path = data_path(slider)
 
 
-def driven_keys(obj, slider):
-    """Names of the shape keys that the slider drives, in the order of the key list."""
+def driven_keys(obj, slider, owners=None):
+    """Names of the shape keys that the slider drives, in the order of the key list.
+
+    ``owners`` are the objects whose slider counts, by default this one alone.
+    """
+    owners = owners or {obj}
     keys = obj.data.shape_keys
     if keys is None or keys.animation_data is None:
         return []
@@ -60,7 +64,7 @@ def driven_keys(obj, slider):
         curve.data_path
         for curve in keys.animation_data.drivers
         for variable in curve.driver.variables
-        if variable.targets[0].id == obj and variable.targets[0].data_path == path
+        if variable.targets[0].id in owners and variable.targets[0].data_path == path
     }
     return [key.name for key in keys.key_blocks if key.path_from_id("value") in driven]
 
@@ -68,7 +72,11 @@ def driven_keys(obj, slider):
 def baked_keys(obj, slider):
     """Names of the driven keys that the arc of this slider made: others are the artist's own.
 
-    By name and by driver, for a name may have gone over to another key since.
+    By name and by driver, for a name may have gone over to another key since. A script's copy of object and
+    mesh has its keys driven by the slider of the original, which does not use this mesh: they count too.
     """
     arc = obj.lissom_inbetween.arcs.get(slider)
-    return [name for name in driven_keys(obj, slider) if name in arc.keys] if arc else []
+    if arc is None:
+        return []
+    owners = {other for other in bpy.data.objects if other == obj or other.data != obj.data}
+    return [name for name in driven_keys(obj, slider, owners) if name in arc.keys]

@@ -203,6 +203,22 @@ def test_a_baked_key_that_the_artist_renamed_is_the_artists():
     assert keys.keys() == ["Basis", "half", "full", "sculpted"]
 
 
+@pytest.mark.parametrize("shared", [False, True])
+def test_the_arc_of_a_scripts_copy_is_its_own(shared):
+    obj = keyed_tube()
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=1)
+    copy = obj.copy()
+    if not shared:
+        copy.data = obj.data.copy()
+    bpy.context.collection.objects.link(copy)
+    bpy.ops.lissom.inbetween_remove(object=copy.name, slider="full arc")
+    baked = ["full arc 50%", "full arc 100%"]
+    assert obj.data.shape_keys.key_blocks.keys() == ["Basis", "half", "full", *baked]
+    assert copy.data.shape_keys.key_blocks.keys() == ["Basis", "half", "full", *(baked if shared else [])]
+    assert "full arc" in obj
+    assert "full arc" not in copy
+
+
 def test_a_driver_without_its_slider_is_said(capfd):
     obj = keyed_tube()
     bpy.ops.lissom.inbetween_bake(object="Tube", end="full", slider="arc")

@@ -449,6 +449,20 @@ def test_an_empty_of_scale_zero_is_no_place_to_bind():
         bpy.ops.lissom.pose_bind(object=obj.name)
 
 
+@pytest.mark.parametrize("value", [0.0, float("nan")])
+def test_an_empty_that_is_scaled_to_nothing_makes_no_traceback(value, capfd):
+    obj = scene.bound_tube()
+    scene.empty(obj, "top").scale.y = value
+    for _ in range(2):
+        bpy.context.view_layer.update()
+    assert "Traceback" not in capfd.readouterr().err
+    assert np.isfinite(scene.key_points(obj, PREVIEW)).all()
+    scene.empty(obj, "top").scale.y = 1
+    scene.empty(obj, "top").location.x += 1
+    bpy.context.view_layer.update()
+    assert scene.shown(obj)[-1, 0] == pytest.approx(scene.key_points(obj, "Basis")[-1, 0] + 1, abs=1e-5)
+
+
 def test_a_bug_in_live_is_told_once(monkeypatch):
     obj = scene.bound_tube()
     monkeypatch.setattr(poses, "transforms", lambda _: 1 / 0)
