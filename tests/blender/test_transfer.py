@@ -312,7 +312,7 @@ def test_empty_lines_between_the_names_of_keys_do_not_count():
 
 
 def test_meshes_that_nowhere_match():
-    """A triangle, and a steep tent over it: the markers hold its corners, its face stays far from the tent's."""
+    """A triangle, and a steep tent over it: the markers hold the corners, the faces stay far apart."""
     corners = [(1, 0, 0), (-0.5, 0.87, 0), (-0.5, -0.87, 0)]
     settings = bpy.context.scene.lissom_transfer
     for side, vertices, faces in (
