@@ -48,6 +48,10 @@ def update(obj, seconds=None):
     except (Refused, lissom.Error) as error:
         session.status[obj.name] = ("ERROR", str(error))
         return False
+    except Exception as error:  # a bug of ours: shown and printed once, not at every move of the mouse
+        settings.live = False
+        session.status[obj.name] = ("ERROR", f"Live is off after an error: {error}")
+        raise
     session.status[obj.name] = ("CHECKMARK", f"Solved in {1e3 * (time.perf_counter() - started):.0f} ms")
     return not bound.converged
 

@@ -59,7 +59,11 @@ def require_unlocked(keys):
     locked = [key.name for key in keys if key.lock_shape]
     if locked:
         listed = first(repr(name) for name in locked)
-        raise Refused(f"Shape key {listed} is locked: unlock it in the list of shape keys")
+        one = len(locked) == 1
+        raise Refused(
+            f"Shape key{'' if one else 's'} {listed} {'is' if one else 'are'} locked: "
+            f"unlock {'it' if one else 'them'} in the list of shape keys"
+        )
 
 
 def shared_data(obj):

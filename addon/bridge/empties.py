@@ -4,6 +4,8 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+from ..core import space
+
 
 def add(obj, name, centre, size):
     """An Empty at ``centre`` (object coordinates), child of the object but for the object's scale.
@@ -28,7 +30,8 @@ def add(obj, name, centre, size):
 
 
 def matrix_in(obj, empty):
-    """The Empty's matrix in the coordinates of the object, (4, 4)."""
+    """The Empty's matrix in the coordinates of the object, (4, 4); Refused where that has none (row 36)."""
+    space.linear_part(obj.matrix_world, obj.name)
     return np.linalg.inv(np.array(obj.matrix_world, dtype=np.float64)) @ np.array(empty.matrix_world)
 
 

@@ -6,7 +6,7 @@ import bmesh
 import bpy
 import numpy as np
 
-from ..core import topology
+from ..core import space, topology
 from ..core.refused import Refused
 
 
@@ -99,6 +99,10 @@ class Snapshot:
             vertices=rest_positions(mesh),
             triangles=triangles(mesh),
         )
+
+    def geometry(self):
+        """(vertices, triangles) in solve space."""
+        return space.into(self.linear, self.vertices), space.outward(self.linear, self.triangles)
 
     def find(self):
         """The object again, or Refused where it was deleted, replaced or remodelled meanwhile (row 42)."""

@@ -1,5 +1,6 @@
 """Between a bound mesh object, with its handles' Empties, and the native pose that is kept in the session."""
 
+import bpy
 import numpy as np
 
 from .. import session
@@ -17,7 +18,7 @@ def build(obj, linear, method):
     check_groups(found, names, settings.roi)
     return BoundPose(
         space.into(linear, meshes.rest_positions(obj.data)),
-        meshes.triangles(obj.data),
+        space.outward(linear, meshes.triangles(obj.data)),
         meshes.corners(obj.data),
         [found[name] for name in names],
         found[settings.roi] if settings.roi else None,
@@ -34,6 +35,9 @@ def current(obj):
     settings = obj.lissom_pose
     if not settings.bound:
         raise Refused(f"'{obj.name}' is not bound: press Bind first")
+    reason = foreign_handles(obj)
+    if reason:
+        raise Refused(reason)
     linear = linear_part(obj)
     known = session.poses.get(obj.session_uid)
     if known is not None:
@@ -64,8 +68,55 @@ def preview(obj):
     return key
 
 
+def foreign_handles(obj):
+    """Why the handles are not the object's own, or "": a copy of an object points at the same Empties."""
+    foreign = [
+        handle
+        for handle in obj.lissom_pose.handles
+        if empties.is_alive(handle.empty) and not owns(obj, handle)
+    ]
+    if not foreign:
+        return ""
+    listed = first(repr(handle.name) for handle in foreign)
+    owner = foreign[0].empty.lissom_handle_of
+    whose = f"belongs to '{owner.name}', of which '{obj.name}' is a copy" if owner else "belongs to no mesh"
+    way = "press Unbind" if obj.lissom_pose.bound else "remove it"
+    return f"The Empty of handle {listed} {whose}: {way}, then add the handle anew"
+
+
+def owns(obj, handle):
+    """True where the Empty of a handle was made for this object and is still there."""
+    return empties.is_alive(handle.empty) and handle.empty.lissom_handle_of == obj
+
+
+def drop_foreign_handles(obj):
+    """Takes handles off the list whose Empties are those of another object."""
+    handles = obj.lissom_pose.handles
+    for index in reversed(range(len(handles))):
+        if empties.is_alive(handles[index].empty) and not owns(obj, handles[index]):
+            handles.remove(index)
+    obj.lissom_pose.active_handle = max(0, min(obj.lissom_pose.active_handle, len(handles) - 1))
+
+
+def remove_preview(obj):
+    """Takes the live pose off the mesh, unless it is that of another bound object with the same mesh."""
+    settings, mesh = obj.lissom_pose, obj.data
+    for other in bpy.data.objects:
+        theirs = other.lissom_pose
+        shows = other != obj and other.data == mesh and theirs.bound and theirs.preview == settings.preview
+        if shows and not foreign_handles(other):
+            return
+    if mesh.shape_keys and settings.preview in mesh.shape_keys.key_blocks:
+        shape_keys.remove(obj, settings.preview)
+    if settings.made_basis and mesh.shape_keys and len(mesh.shape_keys.key_blocks) == 1:
+        obj.shape_key_clear()
+
+
 def alive_handles(obj):
-    """The handles of the object; Refused where an Empty was deleted."""
+    """The handles of the object; Refused where an Empty was deleted or is another object's."""
+    reason = foreign_handles(obj)
+    if reason:
+        raise Refused(reason)
     handles = obj.lissom_pose.handles
     lost = [handle.name for handle in handles if not empties.is_alive(handle.empty)]
     if lost:
@@ -91,8 +142,9 @@ def show(obj, vertices):
 
 def place_at_rest(obj):
     """Puts every handle's Empty back where it was at Bind."""
+    space.linear_part(obj.matrix_world, obj.name)  # else Blender would misplace them for good
     for handle in obj.lissom_pose.handles:
-        if empties.is_alive(handle.empty):
+        if owns(obj, handle):
             empties.place(obj, handle.empty, np.array(handle.rest).reshape(4, 4))
 
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import bpy
 import numpy as np
 
 from ..core.refused import Refused
@@ -25,9 +26,26 @@ class Settings:
 
 
 def key_names(obj):
-    """Names of all shape keys but the reference key."""
+    """Names of all shape keys but the reference key and the one that shows a live pose."""
     keys = obj.data.shape_keys
-    return [key.name for key in keys.key_blocks if key != keys.reference_key] if keys else []
+    if keys is None:
+        return []
+    left_out = previews(obj.data)
+    return [key.name for key in keys.key_blocks if key != keys.reference_key and key.name not in left_out]
+
+
+def previews(mesh):
+    """Names of the shape keys that show the live pose of a bound object with this mesh."""
+    return {obj.lissom_pose.preview for obj in bpy.data.objects if obj.data == mesh and obj.lissom_pose.bound}
+
+
+def refuse_preview(key):
+    """Refused for a key that shows a live pose: it changes with every move of a handle."""
+    if key.name in previews(key.id_data.user):
+        raise Refused(
+            f"Shape key '{key.name}' shows the live pose and goes with it: press Apply as Shape Key, "
+            "then choose the key that it makes"
+        )
 
 
 def find(obj, name):
@@ -42,6 +60,14 @@ def find(obj, name):
 def shape(key):
     """(n, 3) float64 absolute positions."""
     return positions(key.points)
+
+
+def seen(key):
+    """(n, 3): what is shown with this key at 1 and all others at 0, whatever its relative key (row 33)."""
+    basis, relative = key.id_data.reference_key, key.relative_key
+    if key == basis or relative == basis:
+        return shape(key)
+    return shape(basis) + (shape(key) - shape(relative))
 
 
 def ensure_basis(obj):

@@ -3,6 +3,7 @@
 import bpy
 
 from ..core import hat
+from ..core.refused import Refused
 
 
 def data_path(slider):
@@ -10,9 +11,17 @@ def data_path(slider):
     return f'["{bpy.utils.escape_identifier(slider)}"]'
 
 
-def add(obj, slider, description):
+def check_name(obj, slider):
+    """Refused where no custom property can have that name, or one with it would shadow Blender's own."""
+    if not slider.strip() or not slider.isprintable():
+        raise Refused(f"{slider!r:.80} is no name for a slider: use visible characters in one line")
+    if slider in obj.bl_rna.properties:
+        raise Refused(f"'{slider}' is a property of all objects: choose another name for the slider")
+
+
+def add(obj, slider, description, value=0.0):
     """Makes the custom property, 0 to 1."""
-    obj[slider] = 0.0
+    obj[slider] = value
     obj.id_properties_ui(slider).update(
         min=0.0, max=1.0, soft_min=0.0, soft_max=1.0, default=0.0, description=description
     )
@@ -41,8 +50,12 @@ def drive(key, obj, slider, knots, index):
     variable.targets[0].data_path = data_path(slider)
 
 
-def driven_keys(obj, slider):
-    """Names of the shape keys that the slider drives, in the order of the key list."""
+def driven_keys(obj, slider, owners=None):
+    """Names of the shape keys that the slider drives, in the order of the key list.
+
+    ``owners`` are the objects whose slider counts, by default this one alone.
+    """
+    owners = owners or {obj}
     keys = obj.data.shape_keys
     if keys is None or keys.animation_data is None:
         return []
@@ -51,6 +64,19 @@ def driven_keys(obj, slider):
         curve.data_path
         for curve in keys.animation_data.drivers
         for variable in curve.driver.variables
-        if variable.targets[0].id == obj and variable.targets[0].data_path == path
+        if variable.targets[0].id in owners and variable.targets[0].data_path == path
     }
     return [key.name for key in keys.key_blocks if key.path_from_id("value") in driven]
+
+
+def baked_keys(obj, slider):
+    """Names of the driven keys that the arc of this slider made: others are the artist's own.
+
+    By name and by driver, for a name may have gone over to another key since. A script's copy of object and
+    mesh has its keys driven by the slider of the original, which does not use this mesh: they count too.
+    """
+    arc = obj.lissom_inbetween.arcs.get(slider)
+    if arc is None:
+        return []
+    owners = {other for other in bpy.data.objects if other == obj or other.data != obj.data}
+    return [name for name in driven_keys(obj, slider, owners) if name in arc.keys]

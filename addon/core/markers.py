@@ -99,8 +99,8 @@ def loads(text):
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         raise Refused(f'no lissom markers: "format" must be "{FORMAT}"')
     version = document.get("version")
-    if not _is_index(version) or version > VERSION:
-        raise Refused(f'"version" is {version!r:.40}, this release reads up to {VERSION}: update Lissom')
+    if not _is_index(version) or version != VERSION:
+        raise Refused(f'"version" is {version!r:.40}, this release reads {VERSION}: update Lissom')
     rows = document.get("pairs")
     if not isinstance(rows, list):
         raise Refused('"pairs" must be a list')

@@ -15,9 +15,15 @@ SINGULAR = 1e-6
 
 def linear_part(matrix_world, name):
     """The 3x3 linear part of a 4x4 object matrix; refused where it cannot be inverted (row 36)."""
-    linear = np.array(matrix_world, dtype=np.float64)[:3, :3]
+    matrix = np.array(matrix_world, dtype=np.float64)
+    if not np.isfinite(matrix).all():
+        raise Refused(
+            f"The location, rotation or scale of object '{name}' is not a finite number: set it anew, then "
+            "run again"
+        )
+    linear = matrix[:3, :3]
     values = np.linalg.svd(linear, compute_uv=False)
-    if not np.isfinite(values).all() or values[2] <= SINGULAR * values[0]:
+    if values[2] <= SINGULAR * values[0]:
         raise Refused(
             f"The scale of object '{name}' is zero along an axis: set it to another value, then run again"
         )
@@ -27,6 +33,11 @@ def linear_part(matrix_world, name):
 def into(linear, positions):
     """Object coordinates (..., 3) to solve space."""
     return positions @ linear.T
+
+
+def outward(linear, triangles):
+    """(m, 3) triangles that face outward in solve space too: a mirrored surface is turned inside out."""
+    return triangles[:, ::-1] if np.linalg.det(linear) < 0 else triangles
 
 
 def back(linear, positions):

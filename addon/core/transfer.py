@@ -3,6 +3,7 @@
 import lissom
 import numpy as np
 
+from .refused import Refused
 from .work import Work
 
 
@@ -10,28 +11,35 @@ def fit_work(source, target, markers, options):
     """Work whose result is the fit; ``source`` and ``target`` are (vertices, triangles) in solve space."""
 
     def steps():
-        return (yield start_fit(source, target, markers, options))
+        return (yield from fit_steps(lissom.Mesh(*source), lissom.Mesh(*target), markers, options))
 
     return Work(steps())
 
 
-def start_fit(source, target, markers, options):
-    """The native job for (k, 2) vertex indices ``markers``."""
-    return lissom.start_fit(lissom.Mesh(*source), lissom.Mesh(*target), markers, **options)
+def fit_steps(source, target, markers, options):
+    """The fit of two meshes by (k, 2) vertex indices ``markers``, as steps of a Work."""
+    fit = yield lissom.start_fit(source, target, markers, **options)
+    if not len(fit.pairs):
+        raise Refused(
+            "No face of the source matches a face of the target: raise Match Distance, or add markers; "
+            "the faces of both must look outward"
+        )
+    return fit
 
 
 def transfer_work(source, target, fit, shapes, options):
     """Work whose result is (fit, shapes on the target (k, n_target, 3), warnings).
 
-    ``fit`` is one that was made before, or what ``start_fit`` needs: (markers, its options). ``shapes``
+    ``fit`` is one that was made before, or what ``fit_steps`` needs: (markers, its options). ``shapes``
     (k, n_source, 3) are absolute positions in solve space; ``options`` are those of lissom.Transfer.
     """
 
     def steps():
-        known = (yield start_fit(source, target, *fit)) if isinstance(fit, tuple) else fit
+        ends = lissom.Mesh(*source), lissom.Mesh(*target)
+        known = (yield from fit_steps(*ends, *fit)) if isinstance(fit, tuple) else fit
         if not len(shapes):
             return known, shapes, []
-        transfer = lissom.Transfer(lissom.Mesh(*source), lissom.Mesh(*target), known, **options)
+        transfer = yield lissom.start_transfer(*ends, known, **options)
         result = yield transfer.start(shapes)
         return known, result.vertices, list(transfer.warnings)
 

@@ -5,26 +5,11 @@ A generator yields one job after the other (anything with the ``progress``, ``do
 
     def steps():
         fit = yield lissom.start_fit(source, target, markers)
-        poses = yield lissom.Transfer(source, target, fit).start(keys)
-        return fit, poses
+        transfer = yield lissom.start_transfer(source, target, fit)
+        return fit, (yield transfer.start(keys))
 """
 
 import lissom
-
-
-class Pause:
-    """A job that is done at once: lets the poller look at ESC between pieces of work that are not jobs."""
-
-    done = True
-
-    def __init__(self, fraction, stage):
-        self.progress = (fraction, stage)
-
-    def cancel(self):
-        pass
-
-    def result(self):
-        return None
 
 
 class Work:

@@ -2,7 +2,8 @@
 
 The baked keys are the path at the knots, each relative to the key the path starts from, and each driven by
 its hat function h_i of the slider t. Blender then adds sum_i h_i(t) (P_i - P_0) to what the other keys show:
-with the start key on, that is the path from P_0 to P_n, straight between the knots; P_0 needs no key.
+with the start key on, that is the path from P_0 to P_n, straight between the knots; P_0 needs no key. P_0
+and P_n are what the artist sees with the start or the end key on, whatever key they are relative to.
 """
 
 import bpy
@@ -11,7 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 from ..bridge import checks, meshes, shape_keys, sliders
 from ..core import hat, names, space
 from ..core.inbetween import path_work
-from ..core.refused import Refused
+from ..core.refused import Refused, first
 from ..properties.inbetween import ROTATION_ITEMS
 from ..properties.transfer import exists_property
 from .job import JobOperator, answering, writable_mesh
@@ -63,10 +64,13 @@ class LISSOM_OT_inbetween_bake(JobOperator, bpy.types.Operator):
             raise Refused("Choose the shape key that the arc leads to first")
         end = shape_keys.find(obj, self.end)
         start = shape_keys.find(obj, self.start) if self.start else obj.data.shape_keys.reference_key
+        for key in (start, end):
+            shape_keys.refuse_preview(key)
         if start == end:
             raise Refused("From and To are the same shape key: choose two")
         self._start, self._end = start.name, end.name
         wanted = self.slider or names.shorten(end.name, " arc")
+        sliders.check_name(obj, wanted)
         self._slider = names.resolve(wanted, set(obj.keys()), self.exists)
         if self._slider is None:
             raise Refused(f"Slider '{wanted}' exists, and If Exists is Skip: choose another name")
@@ -74,7 +78,7 @@ class LISSOM_OT_inbetween_bake(JobOperator, bpy.types.Operator):
             raise Refused(
                 f"'{self._slider}' is a custom property of another kind: choose another name for the slider"
             )
-        old = sliders.driven_keys(obj, self._slider)
+        old = sliders.baked_keys(obj, self._slider)
         if {self._start, self._end} & set(old):
             raise Refused(
                 f"From and To must not be keys of slider '{self._slider}' itself: choose another slider"
@@ -83,10 +87,14 @@ class LISSOM_OT_inbetween_bake(JobOperator, bpy.types.Operator):
         self._knots = hat.uniform_knots(self.count)[1:]
         linear = space.linear_part(obj.matrix_world, obj.name)
         self._mesh = mesh = meshes.Snapshot.of(obj, linear)
+        first_shape, last_shape = shape_keys.seen(start), shape_keys.seen(end)
+        if end.relative_key == start:  # then the end is seen on top of the start
+            last_shape = first_shape + (shape_keys.shape(end) - shape_keys.shape(start))
+        self._offset = shape_keys.shape(start) - first_shape
         return path_work(
-            (space.into(linear, mesh.vertices), mesh.triangles),
-            space.into(linear, shape_keys.shape(start)),
-            space.into(linear, shape_keys.shape(end)),
+            mesh.geometry(),
+            space.into(linear, first_shape),
+            space.into(linear, last_shape),
             self._knots,
             {"rotation": self.rotation},
         )
@@ -97,20 +105,23 @@ class LISSOM_OT_inbetween_bake(JobOperator, bpy.types.Operator):
         checks.require_writable(obj)
         start = shape_keys.find(obj, self._start)
         end = shape_keys.find(obj, self._end)
+        value = obj.get(self._slider)
+        value = float(value) if isinstance(value, (int, float)) else 0.0
         remove_arc(obj, self._slider)
-        sliders.add(
-            obj, self._slider, f"Lissom: from '{self._start}' at 0 along an arc to '{self._end}' at 1"
-        )
+        description = f"Lissom: from '{self._start}' at 0 along an arc to '{self._end}' at 1"
+        sliders.add(obj, self._slider, description, value)
+        arc = obj.lissom_inbetween.arcs.add()
+        arc.name, arc.start, arc.end = self._slider, self._start, self._end
         taken = set(obj.data.shape_keys.key_blocks.keys())
         knots = [0.0, *self._knots]
         for index, shape in enumerate(shapes, start=1):
             name = names.unused(names.shorten(self._slider, f" {100 * knots[index]:.0f}%"), taken)
             taken.add(name)
             settings = shape_keys.Settings(vertex_group=end.vertex_group)
-            key = shape_keys.write(obj, name, space.back(self._mesh.linear, shape), settings, start)
+            positions = space.back(self._mesh.linear, shape) + self._offset
+            key = shape_keys.write(obj, name, positions, settings, start)
             sliders.drive(key, obj, self._slider, knots, index)
-        arc = obj.lissom_inbetween.arcs.add()
-        arc.name, arc.start, arc.end = self._slider, self._start, self._end
+            arc.keys.add().name = key.name
         if self.prepare_keys:
             self._prepare(obj, start, end)
         for warning in filter(None, [*warnings, checks.shared_data(obj)]):
@@ -130,7 +141,7 @@ class LISSOM_OT_inbetween_bake(JobOperator, bpy.types.Operator):
 
 
 class LISSOM_OT_inbetween_remove(bpy.types.Operator):
-    """Remove a slider and the shape keys it drives"""
+    """Remove a slider and the shape keys that were baked for it"""
 
     bl_idname = "lissom.inbetween_remove"
     bl_label = "Remove Arc"
@@ -149,18 +160,20 @@ class LISSOM_OT_inbetween_remove(bpy.types.Operator):
         checks.require_writable(obj)
         if self.slider not in obj.lissom_inbetween.arcs:
             raise Refused(f"'{obj.name}' has no arc with a slider named '{self.slider}'")
-        checks.require_unlocked(
-            [shape_keys.find(obj, name) for name in sliders.driven_keys(obj, self.slider)]
-        )
+        checks.require_unlocked([shape_keys.find(obj, name) for name in sliders.baked_keys(obj, self.slider)])
         remove_arc(obj, self.slider)
+        orphans = sliders.driven_keys(obj, self.slider)
+        if orphans:
+            listed = first(repr(name) for name in orphans)
+            self.report({"WARNING"}, f"The driver of shape key {listed} has lost its slider '{self.slider}'")
 
 
 def remove_arc(obj, slider):
-    """Removes the slider, its drivers and its keys, where there are any."""
+    """Removes the slider with the keys that were baked for it, where there are any."""
     arcs = obj.lissom_inbetween.arcs
     if slider not in arcs:
         return
-    for name in sliders.driven_keys(obj, slider):
+    for name in sliders.baked_keys(obj, slider):
         shape_keys.remove(obj, name)
     if slider in obj:
         del obj[slider]

@@ -53,7 +53,10 @@ class LISSOM_OT_pose_bind(bpy.types.Operator):
         if settings.bound:
             raise Refused(f"'{obj.name}' is bound already: press Unbind first")
         linear = space.linear_part(obj.matrix_world, obj.name)
-        rests = [empties.matrix_in(obj, handle.empty).ravel() for handle in poses.alive_handles(obj)]
+        rests = []
+        for handle in poses.alive_handles(obj):
+            space.linear_part(handle.empty.matrix_world, handle.empty.name)
+            rests.append(empties.matrix_in(obj, handle.empty).ravel())
         bound = poses.build(obj, linear, self.method)
 
         warnings = [*bound.warnings, checks.shared_data(obj)]
@@ -144,12 +147,10 @@ class LISSOM_OT_pose_unbind(bpy.types.Operator):
         settings = obj.lissom_pose
         if not settings.bound:
             raise Refused(f"'{obj.name}' is not bound")
-        settings.bound = False  # first, so that the handles' way back moves nothing
         poses.place_at_rest(obj)
-        if settings.preview in shape_keys.key_names(obj):
-            shape_keys.remove(obj, settings.preview)
-        if settings.made_basis and not shape_keys.key_names(obj):
-            obj.shape_key_clear()
+        poses.drop_foreign_handles(obj)
+        settings.bound = False
+        poses.remove_preview(obj)
         settings.property_unset("preview")
         session.poses.pop(obj.session_uid, None)
         session.status.pop(obj.name, None)

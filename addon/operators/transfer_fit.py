@@ -64,9 +64,7 @@ class Request:
 
     def geometry(self):
         """(vertices, triangles) of source and target in solve space."""
-        return [
-            (space.into(mesh.linear, mesh.vertices), mesh.triangles) for mesh in (self.source, self.target)
-        ]
+        return [self.source.geometry(), self.target.geometry()]
 
     def digest(self):
         """Equal exactly when a fit made for one request serves the other."""

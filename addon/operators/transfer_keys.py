@@ -40,13 +40,15 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
         source = bpy.data.objects[request.source.name]
         target = bpy.data.objects[request.target.name]
         checks.require_writable(target)
-        wanted = self.keys.splitlines() if self.keys else shape_keys.key_names(source)
+        wanted = [line for line in self.keys.splitlines() if line] or shape_keys.key_names(source)
         if not wanted:
             raise Refused(f"'{source.name}' has no shape keys to carry over")
         twice = [name for name in wanted if wanted.count(name) > 1]
         if twice:
             raise Refused(f"Shape key '{twice[0]}' is asked for twice")
         keys = [shape_keys.find(source, name) for name in wanted]
+        for key in keys:
+            shape_keys.refuse_preview(key)
         self._plan = self._destinations(target, keys)
         kept = [key for key in keys if key.name in self._plan]
         if not kept:
@@ -86,7 +88,10 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
                 f"'{target.data.shape_keys.reference_key.name}' is the Basis of '{target.name}': "
                 "rename the source's key, or choose Rename"
             )
-        checks.require_unlocked([blocks[name] for name in plan.values() if name in blocks])
+        overwritten = [blocks[name] for name in plan.values() if name in blocks]
+        for key in overwritten:
+            shape_keys.refuse_preview(key)
+        checks.require_unlocked(overwritten)
         return plan
 
     def finish(self, context, result):

@@ -190,6 +190,8 @@ class LISSOM_OT_marker_load(ImportHelper, bpy.types.Operator):
     def execute(self, context):
         settings = context.scene.lissom_transfer
         loaded = markers.load(bpy.path.abspath(self.filepath))
+        if not loaded.pairs:
+            raise Refused(f"Marker file '{self.filepath}' holds no pairs: the list stays as it is")
         if settings.source and settings.target:
             counts = [len(obj.data.vertices) for obj in (settings.source, settings.target)]
             markers.check(loaded.pairs, *counts)

@@ -3,7 +3,7 @@
 import bpy
 
 from .. import session
-from ..bridge import checks, empties
+from ..bridge import checks, empties, poses
 from .common import Sidebar, draw_lines, draw_progress, split_column
 
 
@@ -120,6 +120,9 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         row.operator("lissom.pose_update", icon="FILE_REFRESH").object = obj.name
         row.operator("lissom.pose_reset", text="Reset", icon="LOOP_BACK").object = obj.name
         icon, text = session.status.get(obj.name, ("INFO", "Move an Empty: the mesh follows"))
+        reason = poses.foreign_handles(obj)
+        if reason:
+            icon, text = "ERROR", reason
         draw_lines(layout, icon, text)
         draw_progress(layout, "pose")
         layout.separator()

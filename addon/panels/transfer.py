@@ -42,7 +42,8 @@ class LISSOM_UL_keys(bpy.types.UIList):
         flags = [self.bitflag_filter_item] * len(keys)
         if self.filter_name:
             flags = helper.filter_items_by_name(self.filter_name, self.bitflag_filter_item, keys)
-        return [flag if key != data.reference_key else 0 for flag, key in zip(flags, keys, strict=True)], []
+        offered = set(shape_keys.key_names(context.scene.lissom_transfer.source))
+        return [flag if key.name in offered else 0 for flag, key in zip(flags, keys, strict=True)], []
 
 
 class LISSOM_MT_markers(bpy.types.Menu):

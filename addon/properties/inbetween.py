@@ -14,12 +14,19 @@ ROTATION_ITEMS = [
 ]
 
 
+class LissomArcKey(bpy.types.PropertyGroup):
+    """A baked shape key, by name."""
+
+    name: StringProperty(name="Shape Key")
+
+
 class LissomArc(bpy.types.PropertyGroup):
     """A baked arc; its name is that of the slider."""
 
     name: StringProperty(name="Slider")
     start: StringProperty(name="From")
     end: StringProperty(name="To")
+    keys: CollectionProperty(type=LissomArcKey)
 
 
 class LissomInbetween(bpy.types.PropertyGroup):
@@ -48,7 +55,7 @@ class LissomInbetween(bpy.types.PropertyGroup):
     arcs: CollectionProperty(type=LissomArc)
 
 
-classes = (LissomArc, LissomInbetween)
+classes = (LissomArcKey, LissomArc, LissomInbetween)
 
 
 def register():

@@ -33,7 +33,7 @@ def match_distance_property():
         name="Match Distance",
         description="How far apart the centres of matched faces may be, as a part of the target's diagonal",
         default=0.02,
-        min=0.0,
+        min=1e-6,
         soft_max=0.1,
         max=1.0,
         precision=3,

@@ -55,6 +55,7 @@ def test_a_byte_order_mark_is_skipped(tmp_path):
         ("null", '"format" must be'),
         (text(format="other"), '"format" must be'),
         (text(version=2), "update Lissom"),
+        (text(version=0), "update Lissom"),
         (text(version=True), "update Lissom"),
         (text(version="1"), "update Lissom"),
         (text(pairs={}), '"pairs" must be a list'),

@@ -28,6 +28,25 @@ def test_row_36_a_singular_scale_is_refused(scale):
         space.linear_part(np.diag([*scale, 1.0]), "Cube")
 
 
+@pytest.mark.parametrize("entry", [(0, 0), (1, 2), (2, 3)])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_row_36_a_matrix_that_is_not_finite_is_refused(entry, value):
+    matrix = MATRIX.copy()
+    matrix[entry] = value
+    with pytest.raises(Refused, match="'Cube' is not a finite number"):
+        space.linear_part(matrix, "Cube")
+
+
+@pytest.mark.parametrize("scale", [(1, 2, 3), (-1, 2, 3), (-1, -2, 3), (-1, -1, -1)])
+def test_row_36_faces_look_outward_under_any_mirror(scale):
+    corners = np.vstack([np.zeros(3), np.eye(3)])
+    triangles = np.array([[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]])  # of a tetrahedron, all outward
+    linear = np.diag(scale).astype(float)
+    a, b, c = np.moveaxis(space.into(linear, corners)[space.outward(linear, triangles)], 1, 0)
+    volume = np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
+    assert volume == pytest.approx(abs(np.prod(scale)) / 6)
+
+
 def test_row_36_a_mirrored_scale_is_applied():
     linear = space.linear_part(np.diag([-1.0, 2, 3, 1]), "Cube")
     assert_allclose(space.into(linear, np.ones(3)), [-1, 2, 3])

@@ -7,6 +7,21 @@ import bpy
 import numpy as np
 
 
+class Pause:
+    """A job that is done at once."""
+
+    done = True
+
+    def __init__(self, fraction, stage):
+        self.progress = (fraction, stage)
+
+    def cancel(self):
+        pass
+
+    def result(self):
+        return None
+
+
 def monkey(levels=2, name="Monkey"):
     """Suzanne, subdivided: 7,958 vertices at two levels, quads and a few triangles, eyes as loose parts."""
     bpy.ops.mesh.primitive_monkey_add()

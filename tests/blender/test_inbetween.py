@@ -171,7 +171,112 @@ def test_removing_an_arc_leaves_nothing_of_it():
     assert len(obj.lissom_inbetween.arcs) == 0
 
 
+def drive(key, obj, slider):
+    """A driver of the artist's own: the key follows the slider."""
+    variable = key.driver_add("value").driver.variables.new()
+    variable.targets[0].id = obj
+    variable.targets[0].data_path = f'["{slider}"]'
+
+
+def test_keys_that_the_artist_drives_by_the_slider_stay():
+    obj = keyed_tube()
+    keys = obj.data.shape_keys.key_blocks
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=2, slider="arc")
+    drive(scene.add_key(obj, "wrinkle", scene.key_points(obj, "half")), obj, "arc")
+    wrinkle = scene.key_points(obj, "wrinkle")
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=1, slider="arc")
+    assert keys.keys() == ["Basis", "half", "full", "wrinkle", "arc 50%", "arc 100%"]
+    assert len(obj.data.shape_keys.animation_data.drivers) == 3
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="wrinkle", count=1, slider="other")  # may lead there
+    bpy.ops.lissom.inbetween_remove(object="Tube", slider="other")
+    bpy.ops.lissom.inbetween_remove(object="Tube", slider="arc")
+    assert keys.keys() == ["Basis", "half", "full", "wrinkle"]
+    assert_array_equal(scene.key_points(obj, "wrinkle"), wrinkle)
+
+
+def test_a_baked_key_that_the_artist_renamed_is_the_artists():
+    obj = keyed_tube()
+    keys = obj.data.shape_keys.key_blocks
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=1)
+    keys["full arc 50%"].name = "sculpted"
+    bpy.ops.lissom.inbetween_remove(object="Tube", slider="full arc")
+    assert keys.keys() == ["Basis", "half", "full", "sculpted"]
+
+
+@pytest.mark.parametrize("shared", [False, True])
+def test_the_arc_of_a_scripts_copy_is_its_own(shared):
+    obj = keyed_tube()
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=1)
+    copy = obj.copy()
+    if not shared:
+        copy.data = obj.data.copy()
+    bpy.context.collection.objects.link(copy)
+    bpy.ops.lissom.inbetween_remove(object=copy.name, slider="full arc")
+    baked = ["full arc 50%", "full arc 100%"]
+    assert obj.data.shape_keys.key_blocks.keys() == ["Basis", "half", "full", *baked]
+    assert copy.data.shape_keys.key_blocks.keys() == ["Basis", "half", "full", *(baked if shared else [])]
+    assert "full arc" in obj
+    assert "full arc" not in copy
+
+
+def test_a_driver_without_its_slider_is_said(capfd):
+    obj = keyed_tube()
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", slider="arc")
+    drive(obj.data.shape_keys.key_blocks["half"], obj, "arc")
+    bpy.ops.lissom.inbetween_remove(object="Tube", slider="arc")
+    assert "The driver of shape key 'half' has lost its slider 'arc'" in capfd.readouterr().out
+
+
+def test_baking_again_keeps_the_value_of_the_slider():
+    obj = keyed_tube()
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=1)
+    slide(obj, "full arc", 0.7)
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=3)
+    assert obj["full arc"] == pytest.approx(0.7)
+
+
+def shown_alone(obj, name):
+    """What is seen with one key at 1 and all others at 0."""
+    keys = obj.data.shape_keys.key_blocks
+    values = {key.name: key.value for key in keys}
+    for key in keys:
+        key.value = float(key.name == name)
+    positions = scene.shown(obj)
+    for key in keys:
+        key.value = values[key.name]
+    return positions
+
+
+@pytest.mark.parametrize("start", ["", "half"])
+def test_row_33_both_ends_are_as_they_are_seen(start):
+    obj = keyed_tube()
+    keys = obj.data.shape_keys.key_blocks
+    scene.add_key(obj, "other", scene.key_points(obj, "Basis") + [0.5, 0, 0])
+    keys["full"].relative_key = keys["half"].relative_key = keys["other"]
+    ends = [shown_alone(obj, start), shown_alone(obj, "full")]
+    assert np.abs(ends[1] - scene.key_points(obj, "full")).max() > 0.4
+    path = lissom.Inbetween(lissom.Mesh(scene.key_points(obj, "Basis"), meshes.triangles(obj.data)), *ends)
+    bpy.ops.lissom.inbetween_bake(object="Tube", start=start, end="full", count=COUNT)
+    assert_plays(obj, "full arc", path)
+
+
 # Bad input
+
+
+@pytest.mark.parametrize("name", ["location", "lissom_inbetween", "lissom_pose", " ", "a\nb", "\t"])
+def test_names_that_are_none_for_a_slider(name):
+    keyed_tube()
+    with scene.refused("for a slider" if not name.strip() or "\n" in name else "for the slider"):
+        bpy.ops.lissom.inbetween_bake(object="Tube", end="full", slider=name)
+
+
+def test_the_live_pose_is_no_end_of_an_arc():
+    obj = scene.bound_tube()
+    scene.add_key(obj, "full", bend(scene.key_points(obj, "Basis"), 2.4))
+    for ends in ({"end": "Lissom Pose"}, {"start": "Lissom Pose", "end": "full"}):
+        with scene.refused("'Lissom Pose' shows the live pose"):
+            bpy.ops.lissom.inbetween_bake(object="Tube", **ends)
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=1)
 
 
 def test_row_3_a_key_that_is_not_finite():

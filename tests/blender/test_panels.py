@@ -6,7 +6,7 @@ import bpy
 import pytest
 import scene
 from bl_ext.user_default.lissom import session
-from bl_ext.user_default.lissom.core.work import Pause, Work
+from bl_ext.user_default.lissom.core.work import Work
 
 FUNCTIONS = bpy.types.UILayout.bl_rna.functions
 ICONS = {item.identifier for item in FUNCTIONS["label"].parameters["icon"].enum_items}
@@ -193,7 +193,7 @@ def test_work_is_shown_in_its_own_panel_only(panels, monkeypatch):
     scene.bound_tube()
 
     def steps():
-        yield Pause(0.5, "halfway")
+        yield scene.Pause(0.5, "halfway")
 
     monkeypatch.setattr(session, "work", Work(steps()))
     monkeypatch.setattr(session, "work_of", "LISSOM_OT_transfer_keys")

@@ -414,6 +414,122 @@ def test_row_36_a_scale_of_zero(scale):
         bpy.ops.lissom.pose_bind(object=obj.name)
 
 
+@pytest.mark.parametrize(
+    ("scale", "message"),
+    [((1, 1, 0), "'Tube' is zero along an axis"), ((float("nan"), 1, 1), "'Tube' is not a finite number")],
+)
+def test_row_36_a_bad_scale_of_a_bound_object(scale, message, capfd):
+    obj = scene.bound_tube()
+    top = scene.empty(obj, "top")
+    place = top.matrix_basis.copy()
+    obj.scale = scale
+    for _ in range(3):
+        top.location.x += 0.5
+        bpy.context.view_layer.update()
+        assert message in session.status[obj.name][1]
+    assert "Traceback" not in capfd.readouterr().err
+    for operator in ("update", "apply", "reset", "unbind"):
+        with pytest.raises(RuntimeError, match=message) as caught:
+            getattr(bpy.ops.lissom, f"pose_{operator}")(object=obj.name)
+        assert "Traceback" not in str(caught.value)
+    assert obj.lissom_pose.bound
+    obj.scale = (1, 1, 1)
+    bpy.context.view_layer.update()
+    assert_allclose(scene.shown(obj)[-1] - scene.key_points(obj, "Basis")[-1], [1.5, 0, 0], atol=1e-5)
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    assert_allclose(top.matrix_basis, place, atol=1e-6)
+
+
+def test_an_empty_of_scale_zero_is_no_place_to_bind():
+    obj = scene.bound_tube()
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    scene.empty(obj, "top").scale.y = 0
+    bpy.context.view_layer.update()
+    with scene.refused("'Tube top' is zero along an axis"):
+        bpy.ops.lissom.pose_bind(object=obj.name)
+
+
+@pytest.mark.parametrize("value", [0.0, float("nan")])
+def test_an_empty_that_is_scaled_to_nothing_makes_no_traceback(value, capfd):
+    obj = scene.bound_tube()
+    scene.empty(obj, "top").scale.y = value
+    for _ in range(2):
+        bpy.context.view_layer.update()
+    assert "Traceback" not in capfd.readouterr().err
+    assert np.isfinite(scene.key_points(obj, PREVIEW)).all()
+    scene.empty(obj, "top").scale.y = 1
+    scene.empty(obj, "top").location.x += 1
+    bpy.context.view_layer.update()
+    assert scene.shown(obj)[-1, 0] == pytest.approx(scene.key_points(obj, "Basis")[-1, 0] + 1, abs=1e-5)
+
+
+def test_a_bug_in_live_is_told_once(monkeypatch):
+    obj = scene.bound_tube()
+    monkeypatch.setattr(poses, "transforms", lambda _: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        live.update(obj)
+    assert not obj.lissom_pose.live
+    assert "Live is off after an error: division by zero" in session.status[obj.name][1]
+    assert not live.update(obj)
+
+
+def duplicate(obj, linked):
+    """What Shift-D or Alt-D makes of the object alone."""
+    for other in bpy.context.view_layer.objects:
+        other.select_set(other == obj)
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.object.duplicate(linked=linked)
+    assert bpy.context.object != obj
+    return bpy.context.object
+
+
+@pytest.mark.parametrize("linked", [False, True])
+def test_a_copy_leaves_the_handles_of_the_original_alone(linked):
+    obj = scene.bound_tube()
+    move_all(obj, TURN)
+    copy = duplicate(obj, linked)
+    bpy.context.view_layer.update()
+    seen = scene.shown(obj)
+    for operator in ("update", "apply", "reset"):
+        with scene.refused("belongs to 'Tube', of which 'Tube.001' is a copy: press Unbind"):
+            getattr(bpy.ops.lissom, f"pose_{operator}")(object=copy.name)
+    before = scene.snapshot()
+    bpy.ops.lissom.pose_unbind(object=copy.name)
+    bpy.context.view_layer.update()
+    after = scene.snapshot()
+    assert {name: after[name] for name in before if name != copy.name} == {
+        name: before[name] for name in before if name != copy.name
+    }
+    assert_array_equal(scene.shown(obj), seen)
+    assert not copy.lissom_pose.bound
+    assert not len(copy.lissom_pose.handles)
+    assert (copy.data.shape_keys is None) != linked
+    bpy.ops.lissom.pose_handle_add(object=copy.name, vertex_group="top")
+    bpy.ops.lissom.pose_bind(object=copy.name)
+    scene.empty(copy, "top").location.x += 1
+    bpy.context.view_layer.update()
+    assert copy.data.shape_keys.key_blocks[copy.lissom_pose.preview].data[-1].co.x > 1.9
+    assert_allclose(scene.key_points(obj, PREVIEW), seen, atol=1e-6)
+
+
+def test_an_original_is_unbound_whatever_its_linked_copy_says():
+    obj = scene.bound_tube()
+    duplicate(obj, linked=True)
+    bpy.ops.lissom.pose_unbind(object="Tube")
+    assert obj.data.shape_keys is None
+    bpy.ops.lissom.pose_unbind(object="Tube.001")
+
+
+def test_a_copy_of_mesh_and_empties_together_is_bound_by_itself():
+    obj = scene.bound_tube()
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.object.duplicate()
+    copy = bpy.data.objects["Tube.001"]
+    move_all(copy, TURN)
+    assert_allclose(scene.shown(copy), moved(TURN, scene.key_points(copy, "Basis")), atol=2e-5)
+    assert_array_equal(scene.key_points(obj, PREVIEW), scene.key_points(obj, "Basis"))
+
+
 def test_a_deleted_empty_is_named():
     obj = scene.bound_tube()
     bpy.ops.lissom.pose_handle_select(object=obj.name, handle="top")

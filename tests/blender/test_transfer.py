@@ -171,9 +171,52 @@ def test_row_36_meshes_stand_as_in_the_scene():
     mirror = np.array([-1, 1, 1])
     for key in source.data.shape_keys.key_blocks:
         key.points.foreach_set("co", (scene.points(key.data) * mirror).ravel())
+    source.data.flip_normals()  # Blender shows a mirrored object's faces from the same side as its own
     bpy.context.view_layer.update()
     bpy.ops.lissom.transfer_keys()
     assert_allclose(deltas(target, "ears"), plain, atol=2e-4)
+
+
+def test_row_36_a_mirrored_target_gets_the_same_key():
+    """A pure z key: mirrored along x, nothing of the answer changes."""
+    source, target = monkeys()
+    rest = scene.key_points(source, "Basis")
+    scene.add_key(source, "rise", rest + [0, 0, 0.3] * np.clip(rest[:, 2:], 0, None))
+    bpy.ops.lissom.transfer_keys(keys="rise")
+    plain = deltas(target, "rise")
+    assert np.abs(plain[:, 2]).max() > 0.2
+    target.shape_key_clear()
+    for obj in (source, target):
+        obj.scale.x = -1
+    bpy.context.view_layer.update()
+    bpy.ops.lissom.transfer_keys(keys="rise")
+    assert_allclose(deltas(target, "rise"), plain, atol=2e-4)
+
+
+@pytest.mark.parametrize("side", [0, 1])
+def test_row_36_one_mirrored_end_gets_the_mirrored_key(side):
+    """Suzanne is her own mirror image: with the markers moved across, the answer is the mirrored one."""
+    ends = monkeys()
+    rests = [scene.points(obj.data.vertices) for obj in ends]
+    rise = rests[0] + [0, 0, 0.3] * np.clip(rests[0][:, 2:], 0, None)
+    scene.add_key(ends[0], "rise", rise)
+    bpy.ops.lissom.transfer_keys(keys="rise")
+    plain = deltas(ends[1], "rise")
+    ends[1].shape_key_clear()
+    ends[side].scale.x = -1
+    bpy.context.view_layer.update()
+    across = [
+        int(np.argmin(np.linalg.norm(rests[side] * [-1, 1, 1] - point, axis=1))) for point in rests[side]
+    ]
+    for row in bpy.context.scene.lissom_transfer.markers:
+        name = ("source", "target")[side]
+        setattr(row, name, across[getattr(row, name)])
+    bpy.ops.lissom.transfer_keys(keys="rise")
+    expected = 0.3 * np.clip(rests[1][:, 2], 0, None)
+    errors = [
+        np.linalg.norm(found - expected[:, None] * [0, 0, 1]) for found in (plain, deltas(ends[1], "rise"))
+    ]
+    assert errors[1] < 1.2 * errors[0], errors
 
 
 def test_a_fit_is_used_again_until_something_changes():
@@ -233,6 +276,60 @@ def swapped(path, folder):
         pair["source"], pair["target"] = pair["target"], pair["source"]
     (folder / "swapped.json").write_text(json.dumps(document))
     return str(folder / "swapped.json")
+
+
+def test_the_live_pose_is_not_carried_over():
+    source, target = monkeys()
+    scene.group(source, "top", lambda co: co.z > 0.8)
+    bpy.ops.lissom.pose_handle_add(object="Source", vertex_group="top")
+    bpy.ops.lissom.pose_bind(object="Source")
+    assert "Lissom Pose" in source.data.shape_keys.key_blocks
+    bpy.ops.lissom.transfer_keys()
+    assert target.data.shape_keys.key_blocks.keys() == ["Basis", "squash", "ears"]
+    bpy.ops.lissom.transfer_choose(action="ALL")
+    assert bpy.context.scene.lissom_transfer.chosen.keys() == ["squash", "ears"]
+    with scene.refused("'Lissom Pose' shows the live pose"):
+        bpy.ops.lissom.transfer_keys(keys="Lissom Pose")
+    bpy.ops.lissom.pose_unbind(object="Source")
+
+
+def test_the_live_pose_of_the_target_is_not_written_over():
+    source, target = monkeys()
+    scene.group(target, "top", lambda co: co.z > 0.8)
+    bpy.ops.lissom.pose_handle_add(object="Target", vertex_group="top")
+    bpy.ops.lissom.pose_bind(object="Target")
+    scene.add_key(source, "Lissom Pose", scene.key_points(source, "squash"))
+    with scene.refused("'Lissom Pose' shows the live pose"):
+        bpy.ops.lissom.transfer_keys()
+    bpy.ops.lissom.transfer_keys(exists="RENAME")
+    assert "Lissom Pose.001" in target.data.shape_keys.key_blocks
+
+
+def test_empty_lines_between_the_names_of_keys_do_not_count():
+    _, target = monkeys()
+    bpy.ops.lissom.transfer_keys(keys="squash\n\nears\n")
+    assert target.data.shape_keys.key_blocks.keys() == ["Basis", "squash", "ears"]
+
+
+def test_meshes_that_nowhere_match():
+    """A triangle, and a steep tent over it: the markers hold the corners, the faces stay far apart."""
+    corners = [(1, 0, 0), (-0.5, 0.87, 0), (-0.5, -0.87, 0)]
+    settings = bpy.context.scene.lissom_transfer
+    for side, vertices, faces in (
+        ("source", corners, [(0, 1, 2)]),
+        ("target", [*corners, (0, 0, 9)], [(0, 1, 3), (1, 2, 3), (2, 0, 3)]),
+    ):
+        mesh = bpy.data.meshes.new(side)
+        mesh.from_pydata(vertices, [], faces)
+        setattr(settings, side, bpy.data.objects.new(side, mesh))
+        bpy.context.collection.objects.link(getattr(settings, side))
+    for vertex in range(3):
+        bpy.ops.lissom.marker_add(source_vertex=vertex, target_vertex=vertex)
+    scene.add_key(settings.source, "wide", np.array(corners) * [2, 1, 1])
+    for operator in (bpy.ops.lissom.transfer_fit, bpy.ops.lissom.transfer_keys):
+        with scene.refused("raise Match Distance, or add markers"):
+            operator()
+    assert session.fit is None
 
 
 # Markers
@@ -353,6 +450,8 @@ def test_row_41_a_bad_file_leaves_the_list_as_it_was(tmp_path):
         ("{", "not valid JSON"),
         ("x" * (5 << 20), "larger than 4 MiB"),
         ('{"format": "lissom-markers", "version": 1, "pairs": [{"source": 0, "target": 9999}]}', "9999"),
+        ('{"format": "lissom-markers", "version": 1, "pairs": []}', "holds no pairs"),
+        ('{"format": "lissom-markers", "version": 0, "pairs": [{"source": 0, "target": 0}]}', "version"),
     ):
         path.write_text(content)
         with scene.refused(message):
@@ -413,6 +512,12 @@ def test_row_34_a_locked_key_edit_mode_and_a_basis_by_another_name():
     key.lock_shape = True
     with scene.refused("Shape key 'squash' is locked"):
         bpy.ops.lissom.transfer_keys()
+    scene.add_key(target, "ears", scene.points(target.data.vertices)).lock_shape = True
+    with scene.refused("Shape keys 'squash', 'ears' are locked: unlock them"):
+        bpy.ops.lissom.transfer_keys()
+    bpy.context.view_layer.update()
+    target.shape_key_remove(target.data.shape_keys.key_blocks["ears"])
+    key = target.data.shape_keys.key_blocks["squash"]
     key.lock_shape = False
     target.data.shape_keys.reference_key.name = "ears"
     with scene.refused("'ears' is the Basis of 'Target'"):
