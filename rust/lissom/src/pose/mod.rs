@@ -14,11 +14,11 @@
 //! | [`multiresolution`] | how a smoothed base moves, by any other method |
 //! | [`arap`] | the rotations that fit the current shape best, again and again |
 
-mod anderson;
 pub mod arap;
 mod field;
 pub mod laplacian;
 pub mod laplacian_fitted;
+mod lbfgs;
 pub mod multiresolution;
 pub mod poisson;
 mod region;
