@@ -92,6 +92,15 @@ class Pose:
         warm_start: bool = True,
     ) -> Job: ...
 
+def start_pose(
+    mesh: Mesh,
+    handles: Sequence[ArrayLike],
+    roi: ArrayLike | None = None,
+    method: str = "arap",
+    handle_weights: Sequence[ArrayLike | None] | None = None,
+    **options: Any,
+) -> Job: ...
+
 class Fit:
     pairs: NDArray[np.int64]
     fitted_vertices: NDArray[np.float64]

@@ -229,16 +229,21 @@ impl Pose {
     ///
     /// [`Error::InvalidConstraint`] for no or empty handles, a vertex in two handles, indices out of
     /// range, membership outside (0, 1] and an empty region; [`Error::InvalidValue`] for options out of
-    /// their range; [`Error::SolveFailed`] where the system cannot be factored.
+    /// their range; [`Error::SolveFailed`] where the system cannot be factored; [`Error::Cancelled`].
     pub fn new(
         mesh: Arc<Mesh>,
         handles: Vec<Handle>,
         roi: Option<&[u32]>,
         hold: Hold,
         method: &MethodOptions,
+        job: &Job,
     ) -> Result<Self> {
+        job.report(0.0, "region");
         let region = Region::of(&mesh, handles, roi, hold)?;
+        job.report(0.2, "factorization");
+        job.check()?;
         let method = if region.is_rigid() { None } else { Some(method.bind(&region)?) };
+        job.report(1.0, "ready");
         Ok(Self { mesh, region, method })
     }
 
