@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use lissom::Job;
 use lissom::pose::{
-    Handle, Hold, METHODS, MethodOptions, Pose, Posed, Report, SolveOptions, arap, laplacian,
+    Handle, Hold, Info, METHODS, MethodOptions, Pose, Posed, Report, SolveOptions, arap, laplacian,
     laplacian_fitted, multiresolution, poisson, rotation_invariant, thin_shell,
 };
 use lissom::{Error, Fault, Vec3};
@@ -182,10 +182,12 @@ impl<'py> Options<'py> {
 ///
 /// Raises InvalidConstraint for no or empty handles, a vertex in two handles, indices out of range and
 /// an empty region, InvalidValue for an unknown method or option value, SolveFailed where the system
-/// cannot be factored.
+/// cannot be factored even with a little added to its diagonal, OutOfMemory where its factor does not fit in
+/// what the machine has left, or in the environment variable LISSOM_MEMORY_LIMIT, in bytes.
 #[pyclass(name = "Pose", module = "lissom", frozen)]
 pub struct PyPose {
     pose: Arc<Mutex<Pose>>,
+    info: Info,
     warnings: Vec<String>,
 }
 
@@ -247,7 +249,7 @@ fn start_pose(
 
 impl From<Pose> for PyPose {
     fn from(pose: Pose) -> Self {
-        Self { warnings: pose.warnings().to_vec(), pose: Arc::new(Mutex::new(pose)) }
+        Self { info: pose.info(), warnings: pose.warnings().to_vec(), pose: Arc::new(Mutex::new(pose)) }
     }
 }
 
@@ -292,7 +294,20 @@ impl PyPose {
         Ok(run_value(mesh.py(), work)?.into())
     }
 
-    /// list of str: what is doubtful about the mesh, the handles and the region.
+    /// dict of what binding made, all systems of the method together: `unknowns`, `factor_nonzeros` (values
+    /// kept, zeros that fill up blocks included), `factor_bytes` (with indices; what a solve reads twice) and
+    /// `bind_seconds`.
+    #[getter]
+    fn info(&self, py: Python<'_>) -> PyResult<Py<PyDict>> {
+        let dict = PyDict::new(py);
+        dict.set_item("unknowns", self.info.unknowns)?;
+        dict.set_item("factor_nonzeros", self.info.nonzeros)?;
+        dict.set_item("factor_bytes", self.info.bytes)?;
+        dict.set_item("bind_seconds", self.info.seconds)?;
+        Ok(dict.unbind())
+    }
+
+    /// list of str: what is doubtful about the mesh, the handles, the region and the system.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.warnings.clone()

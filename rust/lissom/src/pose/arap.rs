@@ -98,7 +98,7 @@ impl Arap {
     ///
     /// [`Error::InvalidValue`] for options out of their range, [`Error::SolveFailed`] where the system
     /// cannot be factored.
-    pub fn new(region: &Region, options: &Options) -> Result<Self> {
+    pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let invalid = |name: &str, problem: &str| Err(Error::InvalidValue(Fault::new(name, problem)));
         if !(options.rotation_smoothing >= 0.0 && options.rotation_smoothing.is_finite()) {
             return invalid("rotation_smoothing", "must be 0 or more");
@@ -121,7 +121,7 @@ impl Arap {
             let bending = SymmetricMatrix::normal(n, rows);
             matrix = matrix.combine(1.0 - options.smoothness, &bending, options.smoothness);
         }
-        let system = ConstrainedSystem::new(&matrix, region.constraints().clone())?;
+        let system = ConstrainedSystem::new(&matrix, region.constraints().clone(), job)?;
         let smoothing = options.rotation_smoothing;
         let rotation_smoothing = (smoothing > 0.0).then(|| RotationSmoothing::of(mesh, smoothing));
         let options = options.clone();
@@ -230,6 +230,10 @@ struct Fit {
 }
 
 impl Method for Arap {
+    fn systems(&self) -> Vec<&ConstrainedSystem> {
+        vec![&self.system]
+    }
+
     fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution> {
         let mesh = region.mesh();
         let start = match self.previous.take() {
@@ -239,7 +243,7 @@ impl Method for Arap {
         let mut x = self.stitch(mesh, goal, &start);
         let mut fit = self.fit(mesh, &x, &start);
         let mut acceleration = Anderson::default();
-        let (mut iterations, mut quiet) = (0, 0);
+        let (mut iterations, mut quiet, mut residual) = (0, 0, f64::INFINITY);
         while iterations < options.max_iterations && quiet < 2 {
             job.report(iterations as f64 / options.max_iterations as f64, "posing");
             job.check()?;
@@ -256,10 +260,11 @@ impl Method for Arap {
             let gain = before.energy - fit.energy;
             let small = gain <= options.tolerance * fit.energy + NOTHING * fit.scale;
             quiet = if small { quiet + 1 } else { 0 };
+            residual = gain / fit.energy;
         }
         self.previous = Some(fit.rotations);
         let energy = Some(fit.energy.max(0.0));
-        Ok(Solution { displacements: x, iterations, energy, converged: quiet == 2 })
+        Ok(Solution { displacements: x, iterations, energy, converged: quiet == 2, residual })
     }
 }
 

@@ -14,11 +14,11 @@ use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::mass::lumped_mass;
 use crate::rotation::exp;
-use crate::{Error, Fault, Mat3, Mesh, Result, Vec3};
+use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
 
 /// The factored system of a field of `order` 0, 1 or 2 on a region.
-pub(super) fn smooth_system(region: &Region, order: usize) -> Result<ConstrainedSystem> {
-    ConstrainedSystem::new(&polyharmonic(region.mesh(), order)?, region.constraints().clone())
+pub(super) fn smooth_system(region: &Region, order: usize, job: &Job) -> Result<ConstrainedSystem> {
+    ConstrainedSystem::new(&polyharmonic(region.mesh(), order)?, region.constraints().clone(), job)
 }
 
 /// Fields of several vectors per handle; one that is zero at all of them costs nothing.
