@@ -458,10 +458,15 @@ impl Pose {
             report.energy = solution.energy;
             report.converged = solution.converged;
             if !solution.converged {
+                let last = match solution.residual.is_finite() {
+                    true => {
+                        format!(", the last of which lowered the energy by {:.1e} of it", solution.residual)
+                    }
+                    false => String::new(),
+                };
                 report.warnings.push(format!(
-                    "not converged after {} iterations, the last of which lowered the energy by {:.1e} of it \
-                     with a tolerance of {:.1e}: raise max_iterations or tolerance",
-                    solution.iterations, solution.residual, options.tolerance
+                    "not converged after {} iterations{last}: raise max_iterations or tolerance",
+                    solution.iterations
                 ));
             }
         }
