@@ -142,7 +142,7 @@ impl Arap {
     ///
     /// [`Error::InvalidValue`] for options out of their range, [`Error::SolveFailed`] where the system
     /// cannot be factored.
-    pub fn new(region: &Region, options: &Options) -> Result<Self> {
+    pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let invalid = |name: &str, problem: &str| Err(Error::InvalidValue(Fault::new(name, problem)));
         if !(options.rotation_smoothing >= 0.0 && options.rotation_smoothing.is_finite()) {
             return invalid("rotation_smoothing", "must be 0 or more");
@@ -160,7 +160,7 @@ impl Arap {
             let bending = SymmetricMatrix::normal(n, rows);
             matrix = matrix.combine(1.0 - options.smoothness, &bending, options.smoothness);
         }
-        let system = ConstrainedSystem::new(&matrix, region.constraints().clone())?;
+        let system = ConstrainedSystem::new(&matrix, region.constraints().clone(), job)?;
         let rotation_smoothing = options.rotation_smoothing * mesh.areas().iter().sum::<f64>();
         let options = options.clone();
         Ok(Self { options, spokes, system, rotation_smoothing, smoothness, previous: None })
@@ -288,6 +288,10 @@ impl Arap {
 }
 
 impl Method for Arap {
+    fn systems(&self) -> Vec<&ConstrainedSystem> {
+        vec![&self.system]
+    }
+
     fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution> {
         let mesh = region.mesh();
         let mut fit = match self.previous.take() {
@@ -298,7 +302,7 @@ impl Method for Arap {
             _ => self.start(region, goal),
         };
         let mut memory = Lbfgs::default();
-        let (mut iterations, mut quiet, mut length) = (0, 0, 1.0);
+        let (mut iterations, mut quiet, mut residual, mut length) = (0, 0, f64::INFINITY, 1.0);
         while iterations < options.max_iterations && quiet < 2 {
             job.report(iterations as f64 / options.max_iterations as f64, "posing");
             job.check()?;
@@ -321,11 +325,12 @@ impl Method for Arap {
             let gain = fit.energy - next.energy;
             let small = gain <= options.tolerance * next.energy + NOTHING * next.scale;
             quiet = if small { quiet + 1 } else { 0 };
+            residual = gain / next.energy;
             fit = next;
         }
         self.previous = Some(fit.rotations);
         let energy = Some(fit.energy.max(0.0));
-        Ok(Solution { displacements: fit.displacements, iterations, energy, converged: quiet == 2 })
+        Ok(Solution { displacements: fit.displacements, iterations, energy, converged: quiet == 2, residual })
     }
 }
 
