@@ -27,6 +27,11 @@ class InvalidValue(Error, ValueError):
     count: int
 
 class SolveFailed(Error): ...
+
+class OutOfMemory(Error, MemoryError):
+    needed: int
+    available: int
+
 class Cancelled(Error): ...
 class InternalError(Error): ...
 
@@ -39,7 +44,7 @@ class Job:
     def result(self) -> Any: ...
 
 class Mesh:
-    def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None: ...
+    def __init__(self, vertices: ArrayLike, triangles: ArrayLike, *, weld: float | None = None) -> None: ...
     @property
     def vertices(self) -> NDArray[np.float64]: ...
     @property
@@ -63,6 +68,8 @@ class Pose:
         handle_weights: Sequence[ArrayLike | None] | None = None,
         **options: Any,
     ) -> None: ...
+    @property
+    def info(self) -> dict[str, Any]: ...
     @property
     def warnings(self) -> list[str]: ...
     def solve(
@@ -91,6 +98,15 @@ class Pose:
         tolerance: float = 1e-6,
         warm_start: bool = True,
     ) -> Job: ...
+
+def start_pose(
+    mesh: Mesh,
+    handles: Sequence[ArrayLike],
+    roi: ArrayLike | None = None,
+    method: str = "arap",
+    handle_weights: Sequence[ArrayLike | None] | None = None,
+    **options: Any,
+) -> Job: ...
 
 class Fit:
     pairs: NDArray[np.int64]

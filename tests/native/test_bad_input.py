@@ -10,8 +10,8 @@ N = len(VERTICES)
 LOW, HIGH = np.arange(16), np.arange(N - 16, N)
 
 
-def mesh(vertices=VERTICES, faces=FACES):
-    return lissom.Mesh(vertices, faces)
+def mesh(vertices=VERTICES, faces=FACES, **options):
+    return lissom.Mesh(vertices, faces, **options)
 
 
 def pose(handles=(LOW, HIGH), m=None, **options):
@@ -129,6 +129,40 @@ def test_row_10_duplicate_faces():
     m = mesh(faces=np.concatenate([FACES, FACES[3:5]]))
     assert any("again" in w and "2 in all" in w for w in m.warnings)
     assert np.isfinite(bent(pose(m=m)).vertices).all()
+
+
+def test_row_11_weld_joins_what_is_near():
+    vertices, faces = VERTICES[FACES].reshape(-1, 3), np.arange(3 * len(FACES)).reshape(-1, 3)
+    noise = np.random.default_rng(2).uniform(-1e-4, 1e-4, size=vertices.shape)
+    assert mesh(vertices, faces).components == len(FACES)
+    assert mesh(vertices + noise, faces, weld=0.0).components == len(FACES)
+    welded = mesh(vertices + noise, faces, weld=1e-3)
+    assert welded.components == 1
+    assert np.array_equal(welded.vertices, vertices + noise)
+    assert not any("in no face" in w for w in welded.warnings)
+    with pytest.raises(lissom.InvalidMesh, match="every face repeats a vertex"):
+        mesh(weld=100.0)
+    for wrong in (-1.0, np.nan, np.inf):
+        with pytest.raises(lissom.InvalidValue, match="weld: must be a distance"):
+            mesh(weld=wrong)
+    with pytest.raises(TypeError, match="weld"):
+        mesh(weld=True)
+
+
+def test_row_11_a_chain_of_near_vertices_is_not_drawn_together():
+    rows = np.linspace(0, 1, 1001)
+    strip = np.concatenate(
+        [np.stack([rows, 0 * rows, 0 * rows], 1), np.stack([rows, 0 * rows + 1, 0 * rows], 1)]
+    )
+    k = np.arange(1000)
+    m = mesh(strip, np.stack([k, k + 1, k + 1001], 1), weld=0.01)
+    repeats = next(w for w in m.warnings if "repeat a vertex" in w)
+    assert m.components == 1 and int(repeats.split("; ")[1].split()[0]) < 950
+
+
+def test_row_11_zero_has_two_signs():
+    vertices = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [-0.0, 0, 0], [1, 0, 0], [0, -1, 0]])
+    assert mesh(vertices, [[0, 1, 2], [3, 4, 5]], weld=0.0).components == 1
 
 
 def test_row_12_isolated_vertices_stay_at_rest():
@@ -277,6 +311,23 @@ def test_the_wrong_number_of_matrices_or_points():
         pose().solve_points(np.zeros((5, 3)))
     with pytest.raises(lissom.InvalidValue, match="no method named 'magic'"):
         pose(method="magic")
+
+
+@pytest.mark.parametrize("method", ["laplacian", "laplacian_fitted"])
+def test_row_39_responses_that_do_not_fit(method, monkeypatch):
+    """Sixteen handles on a mesh whose factor is the smaller part."""
+    p = pose([[v] for v in range(0, N, N // 16)][:16], method=method, roi=np.arange(N // 2, N))
+    monkeypatch.setenv("LISSOM_MEMORY_LIMIT", "50000")
+    with pytest.raises(lissom.OutOfMemory, match="the responses would take"):
+        p.solve([rigid(offset=(1, 0, 0))] * 16)
+    monkeypatch.delenv("LISSOM_MEMORY_LIMIT")
+    assert np.isfinite(p.solve([rigid(offset=(1, 0, 0))] * 16).vertices).all(), "and life goes on"
+
+
+def test_row_39_a_limit_that_is_no_number(monkeypatch):
+    monkeypatch.setenv("LISSOM_MEMORY_LIMIT", "much")
+    with pytest.raises(lissom.InvalidValue, match="'much' is not a number of bytes"):
+        pose()
 
 
 def test_row_44_a_panic_is_an_internal_error(capfd):

@@ -148,3 +148,19 @@ def test_row_40_cancel_within_a_fifth_of_a_second(data):
 def test_schedules_out_of_range(mesh, options, text):
     with pytest.raises(lissom.InvalidValue, match=text):
         lissom.fit_correspondence(mesh, mesh, [[0, 0], [9, 9], [200, 200]], **options)
+
+
+def test_row_11_markers_of_a_seam():
+    vertices, faces = tube(rows=16, columns=12)
+    corners = faces.ravel()
+    soup = lissom.Mesh(vertices[corners], np.arange(len(corners)).reshape(-1, 3), weld=0.0)
+    whole = lissom.Mesh(vertices, faces)
+    marked = [0, 6, 90, 180, 186]
+    last = [int(np.flatnonzero(corners == v)[-1]) for v in marked]
+    expected = lissom.fit_correspondence(whole, whole, np.column_stack([marked, marked]))
+    fit = lissom.fit_correspondence(soup, whole, np.column_stack([last, marked]))
+    assert np.array_equal(fit.pairs, expected.pairs)
+    assert np.abs(fit.fitted_vertices - expected.fitted_vertices[corners]).max() < 1e-9
+    twins = np.flatnonzero(corners == 90)[:2]
+    with pytest.raises(lissom.InvalidConstraint, match=r"source vertex \d+ is marked twice"):
+        lissom.fit_correspondence(soup, whole, np.column_stack([twins, [90, 91]]))

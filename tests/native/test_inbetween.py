@@ -5,7 +5,7 @@ from itertools import pairwise
 import lissom
 import numpy as np
 import pytest
-from shapes import diagonal, grid_faces, moved, rigid, tube
+from shapes import diagonal, grid_faces, moved, rigid, soup, tube
 
 
 def edges(faces):
@@ -144,6 +144,43 @@ def test_row_03_shapes_times_and_tolerances_that_are_not_finite():
             path.keyframes(bad)
     with pytest.raises(lissom.InvalidValue, match="max_keys"):
         path.keyframes(0.1, max_keys=1)
+
+
+def test_row_11_seams_stay_closed():
+    vertices, faces = tube(rows=20, columns=12)
+    corners = faces.ravel()
+    soup = lissom.Mesh(vertices[corners], np.arange(len(corners)).reshape(-1, 3), weld=0.0)
+    end = moved(rigid((1, 0, 0), 0.7), vertices) + np.sin(3 * vertices[:, [1, 2, 0]]) * 0.2
+    whole = lissom.Inbetween(lissom.Mesh(vertices, faces), vertices, end).at([0, 0.3, 0.7, 1])
+    split = lissom.Inbetween(soup, vertices[corners], end[corners]).at([0, 0.3, 0.7, 1])
+    assert np.abs(split - whole[:, corners]).max() < 1e-9
+
+
+def test_row_38_soups_of_random_triangles_never_fail():
+    for seed in range(300):
+        start, faces = soup(seed)
+        end = start[::-1] + 0.1 * np.random.default_rng(seed).normal(size=start.shape)
+        mesh = lissom.Mesh(start, faces)
+        for shapes in ((start, end), (start, start * (1, 1, -1)), (end, start)):
+            for rotation in ("consistent", "shortest"):
+                assert np.isfinite(lissom.Inbetween(mesh, *shapes, rotation).at([0.3, 0.5])).all(), seed
+
+
+def test_row_39_more_times_than_fit(monkeypatch):
+    vertices, faces = tube(rows=20, columns=12)
+    mesh = lissom.Mesh(vertices, faces)
+    path = lissom.Inbetween(mesh, vertices, vertices * 1.1)
+    monkeypatch.setenv("LISSOM_MEMORY_LIMIT", "1e6")
+    with pytest.raises(lissom.OutOfMemory, match=r"the in-betweens would take 11\.5 MB") as caught:
+        path.at(np.full(1000, 0.5))
+    assert (caught.value.needed, caught.value.available) == (2 * 24 * len(vertices) * 1000, 10**6)
+    assert path.at([0.5]).shape == (1, len(vertices), 3)
+    monkeypatch.setenv("LISSOM_MEMORY_LIMIT", "1e5")
+    with pytest.raises(lissom.OutOfMemory, match="the sampled path would take"):
+        path.keyframes(1e-9)
+    monkeypatch.setenv("LISSOM_MEMORY_LIMIT", "1e3")
+    with pytest.raises(lissom.OutOfMemory, match="the factor would take"):
+        lissom.Inbetween(mesh, vertices, vertices * 1.1)
 
 
 def test_row_06_an_end_shape_on_one_point_or_line():

@@ -9,7 +9,7 @@ import time
 import lissom
 import numpy as np
 import pytest
-from shapes import rigid, tube
+from shapes import ends, rigid, tube
 
 GOAL = [np.eye(4), rigid((0, 1, 0), 2.5, (0, 1, -2))]
 ENDLESS = {"max_iterations": 10**9, "tolerance": 0.0}
@@ -143,6 +143,37 @@ def test_a_dropped_job_stops(pose):
     begin = time.perf_counter()
     pose.solve(GOAL, max_iterations=1)
     assert time.perf_counter() - begin < 5.0
+
+
+def test_a_pose_bound_in_the_background():
+    vertices, faces = tube(rows=40, columns=20)
+    mesh, handles = lissom.Mesh(vertices, faces), ends(vertices)
+    roi = np.flatnonzero(vertices[:, 0] > 1.0)
+    options = {"handle_weights": [None, np.full(len(handles[1]), 0.5)], "cells": "spokes"}
+    here = lissom.Pose(mesh, handles, roi, "arap", **options)
+    job = lissom.start_pose(mesh, handles, roi, "arap", **options)
+    there = job.result()
+    assert isinstance(there, lissom.Pose)
+    assert job.progress == (1.0, "ready")
+    assert there.warnings == here.warnings != []
+    assert np.array_equal(there.solve(GOAL).vertices, here.solve(GOAL).vertices)
+    with pytest.raises(TypeError, match="'arap' has no option sells"):
+        lissom.start_pose(mesh, handles, sells="spokes")
+    with pytest.raises(lissom.InvalidConstraint, match="there is no handle"):
+        lissom.start_pose(mesh, []).result()
+
+
+def test_row_40_a_binding_is_left_behind_when_cancelled():
+    """A factorization cannot stop, but nobody waits for it."""
+    vertices, faces = tube(rows=250, columns=100)
+    job = lissom.start_pose(lissom.Mesh(vertices, faces), ends(vertices), method="laplacian_fitted")
+    while job.progress[1] != "factorization":
+        assert not job.done
+    begin = time.perf_counter()
+    job.cancel()
+    with pytest.raises(lissom.Cancelled):
+        job.result()
+    assert time.perf_counter() - begin < 0.2
 
 
 def test_counts_are_checked(pose):

@@ -3,7 +3,7 @@
 import lissom
 import numpy as np
 import pytest
-from shapes import diagonal, ends, moved, rigid, tube
+from shapes import diagonal, ends, moved, rigid, soup, tube
 
 VERTICES, FACES = tube(rows=40, columns=20)
 N = len(VERTICES)
@@ -85,6 +85,41 @@ def test_rows_08_10_13_15_odd_faces(method, faces):
     assert np.abs(result - VERTICES).max() < 10
 
 
+def unwelded():
+    """The tube with three vertices of its own for each face, in the order of the faces."""
+    return VERTICES[FACES].reshape(-1, 3), np.arange(3 * len(FACES)).reshape(-1, 3)
+
+
+def test_row_11_a_soup_of_triangles_is_welded(method):
+    vertices, faces = unwelded()
+    corners = FACES.ravel()
+    mesh = lissom.Mesh(vertices, faces, weld=0.0)
+    assert any("welded to another in the same place (at 3, " in w for w in mesh.warnings)
+    handles = [np.flatnonzero(np.isin(corners, h)) for h in (LOW, HIGH)]
+    roi = np.flatnonzero(VERTICES[corners, 0] < 5.8)
+    pose = lissom.Pose(mesh, handles, roi=roi, method=method)
+    result = pose.solve([np.eye(4), MOTION], **OPTIONS)
+    joined = lissom.Pose(
+        lissom.Mesh(VERTICES, FACES), [LOW, HIGH], roi=np.flatnonzero(VERTICES[:, 0] < 5.8), method=method
+    )
+    expected = joined.solve([np.eye(4), MOTION], **OPTIONS).vertices[corners]
+    assert np.abs(result.vertices - expected).max() < 1e-6 * diagonal(VERTICES)
+    first = {tuple(v): i for i, v in reversed(list(enumerate(vertices)))}
+    together = [first[tuple(v)] for v in vertices]
+    assert np.array_equal(result.vertices, result.vertices[together]), "seams stay closed to the last bit"
+    targets = np.concatenate([vertices[handles[0]], moved(MOTION, vertices[handles[1]])])
+    by_points = pose.solve_points(targets, **OPTIONS).vertices
+    assert np.abs(by_points - expected).max() < 1e-5 * diagonal(VERTICES)
+
+
+def test_row_11_without_weld_a_soup_is_told(method):
+    vertices, faces = unwelded()
+    pose = lissom.Pose(lissom.Mesh(vertices, faces), [np.arange(30)], method=method)
+    message = "vertices: in the same place as another and not joined to it; weld= joins them (at 3, "
+    assert any(w.startswith(message) for w in pose.warnings)
+    assert np.isfinite(pose.solve([MOTION]).vertices).all()
+
+
 def test_row_12_isolated_vertices_stay(method):
     result = bent(method, np.concatenate([VERTICES, [[9, 9, 9]]]))
     assert np.array_equal(result[N], [9, 9, 9])
@@ -117,6 +152,97 @@ def test_row_22_a_component_held_by_a_point(method):
     assert any("ambiguous" in w for w in pose.warnings)
     result = pose.solve([rigid(offset=(1, 2, 3))]).vertices
     assert np.abs(result - VERTICES - (1, 2, 3)).max() < 1e-5
+
+
+def test_row_23_a_vertex_in_two_handles(method):
+    with pytest.raises(lissom.InvalidConstraint, match=r"first in 0 and 1 \(at 3, 4; 2 in all\)"):
+        lissom.Pose(lissom.Mesh(VERTICES, FACES), [[3, 4, 5], [3, 4]], method=method)
+
+
+def test_row_23_targets_that_contradict(method):
+    seam = np.concatenate([VERTICES, VERTICES[:1]])
+    pose = lissom.Pose(
+        lissom.Mesh(seam, np.concatenate([FACES[1:], [[N, *FACES[0, 1:]]]]), weld=0.0),
+        [[0, 5, N], HIGH],
+        method=method,
+    )
+    targets = seam[[0, 5, N, *HIGH]]
+    assert np.abs(pose.solve_points(targets).vertices - seam).max() < 1e-9
+    targets[2] += (0, 0, 0.1)
+    with pytest.raises(lissom.InvalidConstraint, match=r"targets: .* go apart \(at 2; 1 in all\)"):
+        pose.solve_points(targets)
+
+
+def test_row_24_a_handle_outside_the_region_and_an_empty_region(method):
+    mesh = lissom.Mesh(VERTICES, FACES)
+    with pytest.raises(lissom.InvalidConstraint, match="roi: the region of interest is empty"):
+        lissom.Pose(mesh, [LOW], roi=[], method=method)
+    pose = lissom.Pose(mesh, [LOW, HIGH], roi=np.setdiff1d(np.arange(N), HIGH), method=method)
+    assert any("outside the region" in w and f"{len(HIGH)} in all" in w for w in pose.warnings)
+    result = pose.solve([np.eye(4), MOTION], **OPTIONS).vertices
+    assert np.allclose(result[HIGH], moved(MOTION, VERTICES[HIGH]), rtol=0, atol=1e-12)
+
+
+def test_row_38_a_system_that_is_singular_to_rounding_is_told(method):
+    options = {"method": method, "constraints": "soft", "weight": 1e-9}
+    pose = lissom.Pose(lissom.Mesh(VERTICES, FACES), [LOW, HIGH], **options)
+    result = pose.solve([np.eye(4), MOTION])
+    assert np.isfinite(result.vertices).all()
+    assert np.abs(result.vertices - VERTICES).max() < diagonal(VERTICES)
+    assert any("singular to rounding" in w for w in pose.warnings)
+    assert any("singular to rounding" in w for w in result.report["warnings"])
+    sound = lissom.Pose(lissom.Mesh(VERTICES, FACES), [LOW, HIGH], **(options | {"weight": 1.0}))
+    assert sound.warnings == []
+
+
+def test_row_38_an_iteration_that_does_not_converge_tells_its_residual(method):
+    pose = lissom.Pose(lissom.Mesh(VERTICES, FACES), [LOW, HIGH], method=method)
+    report = pose.solve([np.eye(4), MOTION], max_iterations=1, tolerance=1e-12).report
+    told = [w for w in report["warnings"] if "not converged after 1 iterations" in w]
+    assert report["converged"] == (method != "arap")
+    assert len(told) == (method == "arap")
+    for line in told:
+        residual = float(line.split("lowered the energy by ")[1].split()[0])
+        assert 1e-12 < residual < 10
+
+
+def test_row_38_soups_of_random_triangles_never_fail(method):
+    for seed in range(300):
+        vertices, faces = soup(seed)
+        order = np.random.default_rng(seed).permutation(len(vertices))
+        held = order[: max(2, len(order) // 5)]
+        pose = lissom.Pose(lissom.Mesh(vertices, faces), [held[:1], held[1:]], method=method)
+        result = pose.solve([np.eye(4), rigid((0, 1, 0), 1.0, (0, 0, 1))], max_iterations=20)
+        assert np.isfinite(result.vertices).all(), seed
+
+
+def test_row_39_more_memory_than_there_is(method, monkeypatch):
+    mesh = lissom.Mesh(VERTICES, FACES)
+    pose = lissom.Pose(mesh, [LOW, HIGH], method=method)
+    needed = pose.info["factor_nonzeros"] // 3 * 8
+    monkeypatch.setenv("LISSOM_MEMORY_LIMIT", "1e4")
+    with pytest.raises(
+        lissom.OutOfMemory, match=r"the factor would take .*, there are 10000 bytes"
+    ) as caught:
+        lissom.Pose(mesh, [LOW, HIGH], method=method)
+    assert isinstance(caught.value, MemoryError) and isinstance(caught.value, lissom.Error)
+    assert caught.value.available == 10_000
+    assert needed <= caught.value.needed < 100 * needed
+    monkeypatch.setenv("LISSOM_MEMORY_LIMIT", "2e9")
+    again = lissom.Pose(mesh, [LOW, HIGH], method=method)
+    answers = [p.solve([np.eye(4), MOTION], **OPTIONS).vertices for p in (pose, again)]
+    assert np.array_equal(*answers)
+
+
+def test_what_binding_made(method):
+    """A factor of n unknowns has n values on its diagonal, and one for each edge of the mesh at least."""
+    info = lissom.Pose(lissom.Mesh(VERTICES, FACES), [LOW, HIGH], method=method).info
+    free = N - len(LOW) - len(HIGH)
+    systems = {"laplacian_fitted": 3, "multiresolution": 2}.get(method, 1)
+    assert info["unknowns"] == systems * free
+    assert info["factor_nonzeros"] > 3 * info["unknowns"]
+    assert 8 * info["factor_nonzeros"] < info["factor_bytes"] < 13 * info["factor_nonzeros"]
+    assert 0 < info["bind_seconds"] < 60
 
 
 def test_row_03_nothing_is_lost_after_an_error(method):

@@ -4,7 +4,7 @@ import lissom
 import numpy as np
 import pytest
 from faces import diagonal, root_mean_square, slid, triangulate
-from shapes import moved, rigid, tube
+from shapes import moved, rigid, soup, tube
 
 VERTICES, FACES = tube(rows=24, columns=16)
 SAME = np.column_stack([np.arange(len(FACES))] * 2)
@@ -134,6 +134,35 @@ def test_row_04_a_result_out_of_range(tubes):
     source, target, _, fit = tubes
     with pytest.raises(lissom.Error):
         lissom.Transfer(source, target, fit).apply(VERTICES[None] * 1e307)
+
+
+def test_row_11_seams_of_the_target_stay_closed():
+    corners = FACES.ravel()
+    soup = lissom.Mesh(VERTICES[corners], np.arange(len(corners)).reshape(-1, 3), weld=0.0)
+    mesh = lissom.Mesh(VERTICES, FACES)
+    key = VERTICES + np.sin(VERTICES)
+    expected = lissom.Transfer(mesh, mesh, SAME).apply([key]).vertices[:, corners]
+    assert np.abs(lissom.Transfer(mesh, soup, SAME).apply([key]).vertices - expected).max() < 1e-9
+    assert np.abs(lissom.Transfer(soup, soup, SAME).apply([key[corners]]).vertices - expected).max() < 1e-9
+
+
+def test_row_38_soups_of_random_triangles_never_fail():
+    for seed in range(300):
+        vertices, faces = soup(seed)
+        mesh = lissom.Mesh(vertices, faces)
+        transfer = lissom.Transfer(mesh, mesh, np.column_stack([np.arange(len(faces))] * 2))
+        poses = np.random.default_rng(seed).normal(size=(2, *vertices.shape))
+        assert np.isfinite(transfer.apply(poses).vertices).all(), seed
+
+
+def test_row_39_more_keys_than_fit(monkeypatch):
+    mesh = lissom.Mesh(VERTICES, FACES)
+    transfer = lissom.Transfer(mesh, mesh, SAME)
+    monkeypatch.setenv("LISSOM_MEMORY_LIMIT", "1e6")
+    with pytest.raises(lissom.OutOfMemory, match=r"the keys would take 1\.8 MB") as caught:
+        transfer.apply(np.broadcast_to(VERTICES, (100, *VERTICES.shape)))
+    assert (caught.value.needed, caught.value.available) == (2 * 24 * len(VERTICES) * 100, 10**6)
+    assert np.array_equal(transfer.apply([VERTICES]).vertices[0], VERTICES)
 
 
 @pytest.mark.parametrize(

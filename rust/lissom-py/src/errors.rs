@@ -2,7 +2,7 @@
 
 use lissom::{Error as CoreError, Fault};
 use pyo3::create_exception;
-use pyo3::exceptions::{PyException, PyValueError};
+use pyo3::exceptions::{PyException, PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyType};
@@ -20,18 +20,36 @@ create_exception!(lissom, Cancelled, Error, "The job was cancelled; nothing has 
 create_exception!(lissom, InternalError, Error, "A bug in lissom: please report it with its message.");
 
 static INVALID_VALUE: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+static OUT_OF_MEMORY: PyOnceLock<Py<PyType>> = PyOnceLock::new();
 
-/// `InvalidValue` is both a `lissom.Error` and a `ValueError`, which the macro cannot express.
-fn invalid_value(py: Python<'_>) -> PyResult<&Bound<'_, PyType>> {
+/// An exception that is a `lissom.Error` and one of Python's too, which the macro cannot express.
+fn both<'py>(
+    py: Python<'py>,
+    class: &'py PyOnceLock<Py<PyType>>,
+    name: &str,
+    doc: &str,
+    other: Bound<'py, PyType>,
+) -> PyResult<&'py Bound<'py, PyType>> {
     let make = || {
         let dict = PyDict::new(py);
         dict.set_item("__module__", "lissom")?;
-        dict.set_item("__doc__", "An option or a number is out of its range.")?;
-        let bases = (py.get_type::<Error>(), py.get_type::<PyValueError>());
-        let made = py.get_type::<PyType>().call1(("InvalidValue", bases, dict))?;
+        dict.set_item("__doc__", doc)?;
+        let bases = (py.get_type::<Error>(), other);
+        let made = py.get_type::<PyType>().call1((name, bases, dict))?;
         Ok::<_, PyErr>(made.cast_into::<PyType>()?.unbind())
     };
-    Ok(INVALID_VALUE.get_or_try_init(py, make)?.bind(py))
+    Ok(class.get_or_try_init(py, make)?.bind(py))
+}
+
+fn invalid_value(py: Python<'_>) -> PyResult<&Bound<'_, PyType>> {
+    let doc = "An option or a number is out of its range.";
+    both(py, &INVALID_VALUE, "InvalidValue", doc, py.get_type::<PyValueError>())
+}
+
+fn out_of_memory(py: Python<'_>) -> PyResult<&Bound<'_, PyType>> {
+    let doc =
+        "It would take more memory (`needed` bytes) than there is (`available`); nothing was allocated.";
+    both(py, &OUT_OF_MEMORY, "OutOfMemory", doc, py.get_type::<PyMemoryError>())
 }
 
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -40,6 +58,7 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("InvalidMesh", py.get_type::<InvalidMesh>())?;
     module.add("InvalidConstraint", py.get_type::<InvalidConstraint>())?;
     module.add("InvalidValue", invalid_value(py)?)?;
+    module.add("OutOfMemory", out_of_memory(py)?)?;
     module.add("SolveFailed", py.get_type::<SolveFailed>())?;
     module.add("Cancelled", py.get_type::<Cancelled>())?;
     module.add("InternalError", py.get_type::<InternalError>())
@@ -56,6 +75,15 @@ pub fn to_python(py: Python<'_>, error: CoreError) -> PyErr {
             Err(error) => error,
         },
         CoreError::SolveFailed(_) => SolveFailed::new_err(message),
+        CoreError::OutOfMemory { needed, available, .. } => {
+            let sized = || {
+                let error = PyErr::from_type(out_of_memory(py)?.clone(), message);
+                error.value(py).setattr("needed", needed)?;
+                error.value(py).setattr("available", available)?;
+                Ok(error)
+            };
+            sized().unwrap_or_else(|error| error)
+        }
         CoreError::Cancelled => Cancelled::new_err(message),
     }
 }

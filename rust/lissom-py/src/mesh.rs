@@ -3,14 +3,18 @@
 use std::sync::Arc;
 
 use lissom::Mesh;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyBool;
 
 use crate::{arrays, job};
 
 /// A triangle mesh, checked once.
 ///
-/// Mesh(vertices, triangles): vertices (n, 3) float in any units, triangles (m, 3) integers counted
-/// from 0. Raises InvalidMesh for no vertices or faces, values that are not finite, indices out of range
+/// Mesh(vertices, triangles, *, weld=None): vertices (n, 3) float in any units, triangles (m, 3) integers counted
+/// from 0. `weld` is a distance in the same units: vertices that close together count as one, as at seams or
+/// where each triangle has its own; 0.0 joins those in the very same place. Results keep the number and the
+/// order of the vertices. Raises InvalidMesh for no vertices or faces, values that are not finite, indices out of range
 /// and points that are all coincident or on one line, and says in `warnings` what was mended or is doubtful.
 #[pyclass(name = "Mesh", module = "lissom", frozen)]
 pub struct PyMesh(pub Arc<Mesh>);
@@ -18,10 +22,23 @@ pub struct PyMesh(pub Arc<Mesh>);
 #[pymethods]
 impl PyMesh {
     #[new]
-    fn new(py: Python<'_>, vertices: &Bound<'_, PyAny>, triangles: &Bound<'_, PyAny>) -> PyResult<Self> {
+    #[pyo3(signature = (vertices, triangles, *, weld=None))]
+    fn new(
+        py: Python<'_>,
+        vertices: &Bound<'_, PyAny>,
+        triangles: &Bound<'_, PyAny>,
+        weld: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let weld = match weld {
+            Some(weld) if weld.is_instance_of::<PyBool>() => {
+                return Err(PyTypeError::new_err("weld: expected a distance, got a bool"));
+            }
+            Some(weld) => Some(weld.extract::<f64>()?),
+            None => None,
+        };
         let vertices = arrays::points("vertices", vertices)?;
         let triangles = arrays::triangles("triangles", triangles)?;
-        let mesh = job::run_value(py, move |_| Mesh::new(vertices, triangles))?;
+        let mesh = job::run_value(py, move |_| Mesh::welded(vertices, triangles, weld))?;
         Ok(Self(Arc::new(mesh)))
     }
 

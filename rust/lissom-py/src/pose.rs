@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use lissom::Job;
 use lissom::pose::{
-    Handle, Hold, METHODS, MethodOptions, Pose, Posed, Report, SolveOptions, arap, laplacian,
+    Handle, Hold, Info, METHODS, MethodOptions, Pose, Posed, Report, SolveOptions, arap, laplacian,
     laplacian_fitted, multiresolution, poisson, rotation_invariant, thin_shell,
 };
 use lissom::{Error, Fault, Vec3};
@@ -19,7 +19,8 @@ use crate::{arrays, errors, job};
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("POSE_METHODS", PyTuple::new(module.py(), METHODS)?)?;
     module.add_class::<PyPose>()?;
-    module.add_class::<PyPosed>()
+    module.add_class::<PyPosed>()?;
+    module.add_function(wrap_pyfunction!(start_pose, module)?)
 }
 
 /// A posed mesh: `vertices` (n, 3) float64 in the mesh's own units, and `report`, a dict of
@@ -181,10 +182,12 @@ impl<'py> Options<'py> {
 ///
 /// Raises InvalidConstraint for no or empty handles, a vertex in two handles, indices out of range and
 /// an empty region, InvalidValue for an unknown method or option value, SolveFailed where the system
-/// cannot be factored.
+/// cannot be factored even with a little added to its diagonal, OutOfMemory where its factor does not fit in
+/// what the machine has left, or in the environment variable LISSOM_MEMORY_LIMIT, in bytes.
 #[pyclass(name = "Pose", module = "lissom", frozen)]
 pub struct PyPose {
     pose: Arc<Mutex<Pose>>,
+    info: Info,
     warnings: Vec<String>,
 }
 
@@ -198,8 +201,57 @@ fn solve_options(
     Ok(SolveOptions { max_iterations, tolerance, warm_start })
 }
 
-/// What the two ways to solve have in common: from arrays to a closure for a worker.
-type Work = Box<dyn FnOnce(&Job) -> lissom::Result<Posed> + Send>;
+/// From arrays to a closure for a worker.
+type Work<T> = Box<dyn FnOnce(&Job) -> lissom::Result<T> + Send>;
+
+/// From the arguments of `Pose` to the work that binds one.
+fn prepare(
+    mesh: &Bound<'_, PyMesh>,
+    handles: &Bound<'_, PyAny>,
+    roi: Option<&Bound<'_, PyAny>>,
+    method: &str,
+    handle_weights: Option<&Bound<'_, PyAny>>,
+    options: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Work<Pose>> {
+    let py = mesh.py();
+    let mut handles: Vec<Handle> =
+        arrays::vertex_lists("handles", handles)?.into_iter().map(Handle::from).collect();
+    if let Some(weights) = handle_weights {
+        let lists = arrays::number_lists("handle_weights", weights)?;
+        arrays::expect_length("handle_weights", lists.len(), handles.len())?;
+        for (handle, list) in handles.iter_mut().zip(lists) {
+            handle.membership = list;
+        }
+    }
+    let roi = roi.map(|roi| arrays::vertex_list("roi", roi)).transpose()?;
+    let given = options.map_or_else(|| Ok(PyDict::new(py)), |given| given.copy())?;
+    let mut options = Options { method: method.to_owned(), given, known: Vec::new() };
+    let (method, hold) = (options.method("method", method)?, options.hold()?);
+    options.finish()?;
+    let mesh = mesh.get().0.clone();
+    Ok(Box::new(move |job| Pose::new(mesh, handles, roi.as_deref(), hold, &method, job)))
+}
+
+/// `Pose(...)` in the background: returns a Job whose result is the Pose.
+#[pyfunction]
+#[pyo3(signature = (mesh, handles, roi=None, method="arap", handle_weights=None, **options))]
+fn start_pose(
+    mesh: &Bound<'_, PyMesh>,
+    handles: &Bound<'_, PyAny>,
+    roi: Option<&Bound<'_, PyAny>>,
+    method: &str,
+    handle_weights: Option<&Bound<'_, PyAny>>,
+    options: Option<&Bound<'_, PyDict>>,
+) -> PyResult<PyJob> {
+    let convert = |py: Python<'_>, pose: Pose| Ok(Py::new(py, PyPose::from(pose))?.into_any());
+    PyJob::start(prepare(mesh, handles, roi, method, handle_weights, options)?, convert)
+}
+
+impl From<Pose> for PyPose {
+    fn from(pose: Pose) -> Self {
+        Self { info: pose.info(), warnings: pose.warnings().to_vec(), pose: Arc::new(Mutex::new(pose)) }
+    }
+}
 
 impl PyPose {
     fn by_transforms(
@@ -207,7 +259,7 @@ impl PyPose {
         transforms: &Bound<'_, PyAny>,
         turns: Option<&Bound<'_, PyAny>>,
         options: SolveOptions,
-    ) -> PyResult<Work> {
+    ) -> PyResult<Work<Posed>> {
         let transforms = arrays::matrices("transforms", transforms)?;
         let turns: Option<Vec<Vec3>> = turns.map(|turns| arrays::points("turns", turns)).transpose()?;
         let pose = self.pose.clone();
@@ -217,7 +269,7 @@ impl PyPose {
         }))
     }
 
-    fn by_points(&self, targets: &Bound<'_, PyAny>, options: SolveOptions) -> PyResult<Work> {
+    fn by_points(&self, targets: &Bound<'_, PyAny>, options: SolveOptions) -> PyResult<Work<Posed>> {
         let targets = arrays::points("targets", targets)?;
         let pose = self.pose.clone();
         Ok(Box::new(move |job| {
@@ -238,28 +290,24 @@ impl PyPose {
         handle_weights: Option<&Bound<'_, PyAny>>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let py = mesh.py();
-        let mut handles: Vec<Handle> =
-            arrays::vertex_lists("handles", handles)?.into_iter().map(Handle::from).collect();
-        if let Some(weights) = handle_weights {
-            let lists = arrays::number_lists("handle_weights", weights)?;
-            arrays::expect_length("handle_weights", lists.len(), handles.len())?;
-            for (handle, list) in handles.iter_mut().zip(lists) {
-                handle.membership = list;
-            }
-        }
-        let roi = roi.map(|roi| arrays::vertex_list("roi", roi)).transpose()?;
-        let given = options.map_or_else(|| Ok(PyDict::new(py)), |given| given.copy())?;
-        let mut options = Options { method: method.to_owned(), given, known: Vec::new() };
-        let (method, hold) = (options.method("method", method)?, options.hold()?);
-        options.finish()?;
-        let shared = mesh.get().0.clone();
-        let pose = run_value(py, move |_| Pose::new(shared, handles, roi.as_deref(), hold, &method))?;
-        let warnings = pose.warnings().to_vec();
-        Ok(Self { pose: Arc::new(Mutex::new(pose)), warnings })
+        let work = prepare(mesh, handles, roi, method, handle_weights, options)?;
+        Ok(run_value(mesh.py(), work)?.into())
     }
 
-    /// list of str: what is doubtful about the mesh, the handles and the region.
+    /// dict of what binding made, all systems of the method together: `unknowns`, `factor_nonzeros` (values
+    /// kept, zeros that fill up blocks included), `factor_bytes` (with indices; what a solve reads twice) and
+    /// `bind_seconds`.
+    #[getter]
+    fn info(&self, py: Python<'_>) -> PyResult<Py<PyDict>> {
+        let dict = PyDict::new(py);
+        dict.set_item("unknowns", self.info.unknowns)?;
+        dict.set_item("factor_nonzeros", self.info.nonzeros)?;
+        dict.set_item("factor_bytes", self.info.bytes)?;
+        dict.set_item("bind_seconds", self.info.seconds)?;
+        Ok(dict.unbind())
+    }
+
+    /// list of str: what is doubtful about the mesh, the handles, the region and the system.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.warnings.clone()

@@ -68,9 +68,29 @@ pub enum Error {
     /// The linear algebra gave up, or the result overflowed.
     #[error("{0}")]
     SolveFailed(String),
+    /// It would take more memory than there is; nothing has been allocated.
+    #[error("{what} would take {}, there are {} left", amount(*needed), amount(*available))]
+    OutOfMemory {
+        /// What was to be allocated.
+        what: &'static str,
+        /// Bytes that it takes.
+        needed: u64,
+        /// Bytes that there are.
+        available: u64,
+    },
     /// The caller cancelled the job.
     #[error("cancelled")]
     Cancelled,
+}
+
+/// Bytes, in a unit that suits them.
+fn amount(bytes: u64) -> String {
+    let bytes = bytes as f64;
+    match bytes {
+        1e9.. => format!("{:.1} GB", bytes / 1e9),
+        1e6.. => format!("{:.1} MB", bytes / 1e6),
+        _ => format!("{bytes} bytes"),
+    }
 }
 
 /// Result of everything that can fail.

@@ -26,6 +26,17 @@ impl Job {
         *self.0.stage.lock().unwrap_or_else(PoisonError::into_inner) = stage;
     }
 
+    /// Reports the next part of work whose number of parts is not known here: a third of the way that is left.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Cancelled`], see [`Job::check`].
+    pub fn part(&self, stage: &'static str) -> Result<()> {
+        let fraction = self.progress().0;
+        self.report(fraction + (1.0 - fraction) / 3.0, stage);
+        self.check()
+    }
+
     /// The last report.
     pub fn progress(&self) -> (f64, &'static str) {
         let stage = *self.0.stage.lock().unwrap_or_else(PoisonError::into_inner);

@@ -43,7 +43,8 @@
 //!
 //! [`mesh`] (validated once) feeds [`operators`]; [`linear`] holds constraints and the
 //! factorization; [`stitch`] joins the two; [`pose`], [`transfer`] and [`inbetween`] choose.
-//! [`rotation`] is the algebra of 3 x 3 matrices, [`job`] progress and cancellation.
+//! [`rotation`] is the algebra of 3 x 3 matrices, [`job`] progress and cancellation, [`memory`] refuses what
+//! does not fit.
 
 #![forbid(unsafe_code)]
 
@@ -51,6 +52,7 @@ pub mod error;
 pub mod inbetween;
 pub mod job;
 pub mod linear;
+pub mod memory;
 pub mod mesh;
 pub mod operators;
 pub mod pose;

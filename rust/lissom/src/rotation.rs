@@ -2,16 +2,20 @@
 //!
 //! The nearest rotation to `M` maximises `tr(R^T M)` over rotations. For `M = U diag(s) V^T` with
 //! descending `s` it is `R = U diag(1, 1, det(U V^T)) V^T` (Kabsch 1976; Umeyama 1991), which exists
-//! for reflections and for matrices of any rank. Where `det M` is safely positive, Newton's
-//! iteration `X <- (g X + (g X)^-T) / 2` (Higham 1986) finds the same rotation sooner.
+//! for reflections and for matrices of any rank.
+//!
+//! The maximum itself, `l = s1 + s2 + det(U V^T) s3`, is the largest root of
+//! `(l^2 - |M|^2)^2 = 4 |cof M|^2 + 8 l det M` (Horn 1987's characteristic polynomial, in invariants), and `R` is its
+//! derivative by `M` (compare Lin, Chitalu & Komura 2022, Isotropic ARAP Energy Using Cauchy-Green
+//! Invariants): no singular vectors are needed unless the root is nearly double.
 
 use std::f64::consts::TAU;
 
 use crate::{Mat3, Vec3};
 
-/// Smallest `det M / |M|_F^3` for which Newton's iteration is used; its largest value, for a
-/// rotation, is `3^(-3/2) = 0.19`. Below, the iteration is slow or leads to a reflection.
-const NEWTON_DETERMINANT: f64 = 1e-3;
+/// Smallest `(s1 + s2) (s1 + s3) (s2 + s3) / |M|^3` for which the derivative of the root is used; its largest
+/// value, for a rotation, is `8 * 3^(-3/2) = 1.5`. Below, too many digits would be lost.
+const SIMPLE_ROOT: f64 = 0.01;
 
 /// Singular values below this fraction of the largest count as zero.
 const RANK_TOLERANCE: f64 = 1e-14;
@@ -26,7 +30,7 @@ pub fn nearest_rotation(m: Mat3) -> Mat3 {
         return Mat3::IDENTITY;
     }
     let m = m * (1.0 / norm);
-    if m.determinant() > NEWTON_DETERMINANT { newton_polar(m) } else { svd_rotation(m) }
+    root_rotation(m).unwrap_or_else(|| svd_rotation(m))
 }
 
 /// `m = R S` with a rotation `R` and a symmetric `S`, which has a negative eigenvalue where `m`
@@ -37,20 +41,32 @@ pub fn polar(m: Mat3) -> (Mat3, Mat3) {
     (r, (s + s.transpose()) * 0.5)
 }
 
-fn newton_polar(mut x: Mat3) -> Mat3 {
-    for _ in 0..20 {
-        let y = cofactors(x) * (1.0 / x.determinant());
-        // Higham's scaling, in the Frobenius norm, brings large and small singular values together.
-        let scale = (frobenius(y) / frobenius(x)).sqrt();
-        let next = (x * scale + y * (1.0 / scale)) * 0.5;
-        let change = frobenius_squared(next - x);
-        x = next;
+/// The nearest rotation to a matrix of norm 1 as the derivative of the largest root; `None` where the root
+/// is nearly double.
+fn root_rotation(m: Mat3) -> Option<Mat3> {
+    let cofactors = cofactors(m);
+    let determinant = m.x_axis.dot(cofactors.x_axis);
+    let squares = frobenius_squared(cofactors);
+    // The root for determinant 0. The polynomial is convex from there on.
+    let mut root = (1.0 + 2.0 * squares.sqrt()).sqrt();
+    // A quarter of the slope, half the product of the three sums of two singular values.
+    let slope = |root: f64| root * (root * root - 1.0) - 2.0 * determinant;
+    // Towards a double root Newton's steps only halve, and jump where rounding takes over.
+    let found = (0..10).any(|_| {
+        let excess = root * root - 1.0;
+        let step = (excess * excess - 4.0 * squares - 8.0 * root * determinant) / (4.0 * slope(root));
+        root -= step;
         // Convergence is quadratic: a step of 1e-9 leaves an error of 1e-18.
-        if change < 1e-18 {
-            break;
-        }
+        step.abs() < 1e-9
+    });
+    let slope = slope(root);
+    if !found || slope <= 2.0 * SIMPLE_ROOT {
+        return None;
     }
-    x
+    let derivative = m * (root * root + 1.0) - m * (m.transpose() * m) * 2.0 + cofactors * (2.0 * root);
+    let r = derivative * (1.0 / slope);
+    // One step of Newton and Schulz takes the last rounding out of the orthogonality.
+    Some(r * 1.5 - r * (r.transpose() * r) * 0.5)
 }
 
 /// `det(m) m^-T`, defined also where `m` is singular.
@@ -61,10 +77,6 @@ fn cofactors(m: Mat3) -> Mat3 {
 
 fn frobenius_squared(m: Mat3) -> f64 {
     m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared()
-}
-
-fn frobenius(m: Mat3) -> f64 {
-    frobenius_squared(m).sqrt()
 }
 
 /// One-sided Jacobi: `m V = U diag(s)`; only the last axis may have to be flipped or invented.
@@ -188,7 +200,7 @@ mod tests {
     }
 
     fn distance(a: Mat3, b: Mat3) -> f64 {
-        frobenius(a - b)
+        frobenius_squared(a - b).sqrt()
     }
 
     fn assert_rotation(r: Mat3) {

@@ -18,7 +18,7 @@ use crate::linear::{Columns, ConstrainedSystem, Constraints, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::divergence::divergence;
 use crate::operators::hat_gradients;
-use crate::{Mat3, Mesh, Result, Vec3};
+use crate::{Job, Mat3, Mesh, Result, Vec3};
 
 /// The factored stitching system of one mesh and one set of constraints.
 #[derive(Debug)]
@@ -33,9 +33,10 @@ impl Stitcher {
     ///
     /// # Errors
     ///
-    /// [`crate::Error::SolveFailed`] where a component has none.
-    pub fn new(mesh: &Mesh, constraints: Constraints) -> Result<Self> {
-        Self::with_matrix(mesh, &cotangent_laplacian(mesh), constraints)
+    /// [`crate::Error::SolveFailed`] where a component has none, [`crate::Error::OutOfMemory`] and
+    /// [`crate::Error::Cancelled`].
+    pub fn new(mesh: &Mesh, constraints: Constraints, job: &Job) -> Result<Self> {
+        Self::with_matrix(mesh, &cotangent_laplacian(mesh), constraints, job)
     }
 
     /// The same, with a matrix of one's own: the Laplacian plus further quadratic terms.
@@ -43,8 +44,13 @@ impl Stitcher {
     /// # Errors
     ///
     /// As [`Stitcher::new`].
-    pub fn with_matrix(mesh: &Mesh, matrix: &SymmetricMatrix, constraints: Constraints) -> Result<Self> {
-        let system = ConstrainedSystem::new(matrix, constraints)?;
+    pub fn with_matrix(
+        mesh: &Mesh,
+        matrix: &SymmetricMatrix,
+        constraints: Constraints,
+        job: &Job,
+    ) -> Result<Self> {
+        let system = ConstrainedSystem::new(matrix, constraints, job)?;
         Ok(Self { system, hats: hat_gradients(mesh) })
     }
 

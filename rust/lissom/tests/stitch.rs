@@ -6,7 +6,7 @@ use common::{numbers, sheet};
 use lissom::linear::Constraints;
 use lissom::operators::gradient::deformation_gradients;
 use lissom::stitch::Stitcher;
-use lissom::{Error, Mat3, Mesh, Vec3};
+use lissom::{Error, Job, Mat3, Mesh, Vec3};
 
 fn pin(mesh: &Mesh, pinned: &[usize]) -> Constraints {
     Constraints::hard(mesh.vertices().len(), |v| pinned.contains(&v))
@@ -15,7 +15,7 @@ fn pin(mesh: &Mesh, pinned: &[usize]) -> Constraints {
 #[test]
 fn identity_targets_move_nothing_to_the_last_bit() {
     let mesh = sheet(20);
-    let stitcher = Stitcher::new(&mesh, pin(&mesh, &[0])).unwrap();
+    let stitcher = Stitcher::new(&mesh, pin(&mesh, &[0]), &Job::default()).unwrap();
     let mut moved = vec![Vec3::ZERO; mesh.vertices().len()];
     stitcher.solve(&mesh, &vec![Mat3::IDENTITY; mesh.triangles().len()], &mut moved);
     assert!(moved.iter().all(|&d| d == Vec3::ZERO));
@@ -27,7 +27,7 @@ fn targets_of_a_real_pose_give_that_pose() {
     let posed: Vec<Vec3> =
         mesh.rest().iter().map(|v| Vec3::new(v.x + v.y * v.y, v.y, v.z * 2.0 - v.x)).collect();
     let targets = deformation_gradients(&mesh, &posed);
-    let stitcher = Stitcher::new(&mesh, pin(&mesh, &[5])).unwrap();
+    let stitcher = Stitcher::new(&mesh, pin(&mesh, &[5]), &Job::default()).unwrap();
     let mut moved = vec![Vec3::ZERO; posed.len()];
     moved[5] = posed[5] - mesh.rest()[5];
     stitcher.solve(&mesh, &targets, &mut moved);
@@ -84,7 +84,7 @@ fn fourth_vertices_drop_out_exactly() {
     let targets: Vec<Mat3> =
         mesh.triangles().iter().map(|_| Mat3::from_cols_array(&std::array::from_fn(|_| next()))).collect();
     let at = Vec3::new(0.4, -0.1, 0.2);
-    let stitcher = Stitcher::new(&mesh, pin(&mesh, &[10])).unwrap();
+    let stitcher = Stitcher::new(&mesh, pin(&mesh, &[10]), &Job::default()).unwrap();
     let mut moved = vec![Vec3::ZERO; mesh.vertices().len()];
     moved[10] = at - mesh.rest()[10];
     stitcher.solve(&mesh, &targets, &mut moved);
@@ -102,10 +102,10 @@ fn soft_constraints_approach_hard_ones() {
     let lifted = Vec3::Z * 0.1;
     let mut hard = vec![Vec3::ZERO; n];
     hard[77] = lifted;
-    Stitcher::new(&mesh, pin(&mesh, &[0, 77])).unwrap().solve(&mesh, &targets, &mut hard);
+    Stitcher::new(&mesh, pin(&mesh, &[0, 77]), &Job::default()).unwrap().solve(&mesh, &targets, &mut hard);
     let soft = |weight: f64| {
         let constraints = pin(&mesh, &[0]).with_soft([(77, weight)]);
-        let stitcher = Stitcher::new(&mesh, constraints).unwrap();
+        let stitcher = Stitcher::new(&mesh, constraints, &Job::default()).unwrap();
         let mut x = vec![Vec3::ZERO; n];
         x[77] = lifted;
         stitcher.solve(&mesh, &targets, &mut x);
@@ -120,7 +120,7 @@ fn soft_constraints_approach_hard_ones() {
 fn a_floating_component_is_an_error_not_a_panic() {
     let mesh = sheet(6);
     let free = Constraints::hard(mesh.vertices().len(), |_| false);
-    match Stitcher::new(&mesh, free) {
+    match Stitcher::new(&mesh, free, &Job::default()) {
         // The regularised retry may stand on rounding; what counts is that it is finite then.
         Ok(stitcher) => {
             let mut moved = vec![Vec3::ZERO; mesh.vertices().len()];
@@ -138,7 +138,7 @@ fn blocks_of_right_hand_sides_agree_with_single_ones() {
     let sets: Vec<Vec<Mat3>> = (0..5)
         .map(|_| mesh.triangles().iter().map(|_| Mat3::from_diagonal(Vec3::splat(next()))).collect())
         .collect();
-    let stitcher = Stitcher::new(&mesh, pin(&mesh, &[3])).unwrap();
+    let stitcher = Stitcher::new(&mesh, pin(&mesh, &[3]), &Job::default()).unwrap();
     let n = mesh.vertices().len();
     let mut block = lissom::linear::Columns::zeros(n, 15);
     stitcher.solve_block(&mesh, &sets, &mut block);

@@ -12,7 +12,7 @@
 use rayon::prelude::*;
 
 use super::Inbetween;
-use crate::{Error, Fault, Job, Result, Vec3};
+use crate::{Error, Fault, Job, Result, Vec3, memory};
 
 /// Keys lie on multiples of `1 / GRID`; a power of two, fine enough for 32 even segments.
 const GRID: usize = 2048;
@@ -60,7 +60,7 @@ impl Inbetween {
     /// # Errors
     ///
     /// [`Error::InvalidValue`] for a tolerance that is not positive or fewer than two keys,
-    /// [`Error::Cancelled`].
+    /// [`Error::OutOfMemory`], [`Error::Cancelled`].
     pub fn keyframes(&self, tolerance: f64, max_keys: usize, job: &Job) -> Result<Keyframes> {
         let invalid = |argument, problem: &str| Err(Error::InvalidValue(Fault::new(argument, problem)));
         if !(tolerance > 0.0 && tolerance.is_finite()) {
@@ -108,6 +108,11 @@ impl Inbetween {
         let mut steps = 1;
         let mut arcs = vec![vec![Vec3::ZERO; n]; 2];
         loop {
+            // The new steps, and in the end all of them once more, vertex by vertex.
+            memory::check(
+                "the sampled path",
+                size_of::<Vec3>() as u128 * (3 * steps + 1) as u128 * n as u128,
+            )?;
             let between: Vec<f64> = (0..steps).map(|k| (k as f64 + 0.5) / steps as f64).collect();
             let mut new = Vec::with_capacity(steps);
             for chunk in between.chunks(8) {

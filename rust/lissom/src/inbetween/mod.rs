@@ -42,7 +42,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
+use crate::linear::{ConstrainedSystem, Constraints, REGULARIZED, SymmetricMatrix};
 use crate::mesh::geometry::{TriangleGeometry, UnitFrame, normal_and_area};
 use crate::mesh::validate;
 use crate::operators::hats_of;
@@ -170,7 +170,8 @@ impl Inbetween {
             .zip(&weights)
             .flat_map(|(&[a, b, c], w)| [(b, c, w[0]), (c, a, w[1]), (a, b, w[2])]);
         let laplacian = SymmetricMatrix::laplacian(still.len(), edges);
-        let system = ConstrainedSystem::new(&laplacian, Constraints::hard(still.len(), |v| held[v]))?;
+        let system = ConstrainedSystem::new(&laplacian, Constraints::hard(still.len(), |v| held[v]), job)?;
+        warnings.extend(system.factor().is_regularized().then(|| REGULARIZED.into()));
         let hats = [&a, &b].map(|x| {
             let corners = mesh.triangles().par_iter().map(|t| t.map(|v| x[v as usize]));
             corners.zip(&weights).map(|(corners, w)| hats_of(corners, *w)).collect()

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::Inbetween;
 use crate::linear::Columns;
 use crate::operators::divergence::divergence;
-use crate::{Error, Fault, Job, Mat3, Result, Vec3};
+use crate::{Error, Fault, Job, Mat3, Result, Vec3, memory};
 
 /// Times solved as one block of right-hand sides: enough to share each pass over the factor, and
 /// few enough to answer a cancellation at once.
@@ -24,13 +24,16 @@ impl Inbetween {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidValue`] for a time that is not within 0 and 1, [`Error::SolveFailed`] where
-    /// positions overflow, [`Error::Cancelled`].
+    /// [`Error::InvalidValue`] for a time that is not within 0 and 1, [`Error::OutOfMemory`],
+    /// [`Error::SolveFailed`] where positions overflow, [`Error::Cancelled`].
     pub fn at(&self, times: &[f64], job: &Job) -> Result<Vec<Vec<Vec3>>> {
         let outside = times.iter().enumerate().filter(|(_, t)| !(0.0..=1.0).contains(*t));
         if let Some(fault) = Fault::at("times", "not within 0 and 1", outside.map(|(i, _)| i)) {
             return Err(Error::InvalidValue(fault));
         }
+        // Once here, and once more for whoever takes them over.
+        let bytes = 2 * size_of::<Vec3>() as u128 * times.len() as u128 * self.shapes[0].len() as u128;
+        memory::check("the in-betweens", bytes)?;
         let mut shapes = Vec::with_capacity(times.len());
         for chunk in times.chunks(TIMES_AT_ONCE) {
             job.report(shapes.len() as f64 / times.len() as f64, "in-betweens");
@@ -91,7 +94,8 @@ impl Inbetween {
         Ok((0..times.len()).map(|block| self.centred(y.vectors(block))).collect())
     }
 
-    /// Moves every component that nothing holds so that its centroid is on its straight line.
+    /// Moves every component that nothing holds so that its centroid is on its straight line, and welded
+    /// vertices with those that they are welded to.
     fn centred(&self, mut y: Vec<Vec3>) -> Vec<Vec3> {
         for vertices in &self.afloat {
             let sum: Vec3 = vertices.iter().map(|&v| y[v as usize]).sum();
@@ -100,6 +104,7 @@ impl Inbetween {
                 y[v as usize] -= off;
             }
         }
+        self.mesh.follow(&mut y);
         y
     }
 }

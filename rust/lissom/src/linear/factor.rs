@@ -7,17 +7,28 @@ use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::perm::PermRef;
 use faer::sparse::SymbolicSparseColMat;
 use faer::sparse::linalg::amd;
+use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
 use faer::{Conj, MatMut, Par, Side, Spec};
 use rayon::prelude::*;
 
 use super::{Columns, SymmetricMatrix};
-use crate::{Error, Result};
+use crate::{Error, Result, memory};
 
-/// Added to the diagonal, relative to its largest entry, when a factorization fails the first time.
+/// Added to each entry of the diagonal, relative to itself, when a factorization fails the first time. Rounding
+/// alone makes a pivot negative by some 1e-14 of it; small entries beside large ones keep their worth.
 const REGULARIZATION: f64 = 1e-11;
+
+/// A pivot below this fraction of the entry of the diagonal that it started from is rounding: some ten times what
+/// a sum of as many terms as a vertex of a surface has neighbours is off by.
+const ROUNDING: f64 = 1e-14;
+
+/// What to say where that happened.
+pub const REGULARIZED: &str = "the system is singular to rounding, and a little was added to its diagonal: parts of \
+                               the mesh hang together by next to nothing, or are held by too few vertices";
 
 /// Columns solved together by one thread; more share each pass over the factor.
 const COLUMNS_AT_ONCE: usize = 8;
@@ -32,6 +43,7 @@ pub struct Symbolic(Arc<SymbolicCholesky<u32>>);
 pub struct Factor {
     symbolic: Symbolic,
     values: Vec<f64>,
+    regularized: bool,
 }
 
 impl Symbolic {
@@ -61,7 +73,7 @@ impl Symbolic {
         }
         let pattern = SymbolicSparseColMat::new_checked(blocks, blocks, starts, None, rows);
         let scratch = amd::order_maybe_unsorted_scratch::<u32>(blocks, pattern.row_idx().len());
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| failed("no memory to order in".into()))?;
+        let mut memory = MemBuffer::new(scratch);
         let (mut forward, mut inverse) = (vec![0u32; blocks], vec![0u32; blocks]);
         let control = amd::Control::default();
         let stack = MemStack::new(&mut memory);
@@ -93,18 +105,18 @@ impl Symbolic {
     /// # Errors
     ///
     /// [`Error::SolveFailed`] where the matrix is not positive definite even after one retry with a
-    /// little added to its diagonal, or where memory does not suffice.
+    /// little added to its diagonal, [`Error::OutOfMemory`] where the factor does not fit.
     pub fn factor(&self, matrix: &SymmetricMatrix) -> Result<Factor> {
         if let Some(values) = self.attempt(matrix)? {
-            return Ok(Factor { symbolic: self.clone(), values });
+            return Ok(Factor { symbolic: self.clone(), values, regularized: false });
         }
         let mut lifted = matrix.clone();
-        let largest = matrix.entries().filter(|(i, j, _)| i == j).fold(0.0, |m: f64, e| m.max(e.2));
+        let least = matrix.largest() * f64::EPSILON;
         for row in 0..matrix.size() {
-            lifted.add_to_diagonal(row, largest * REGULARIZATION);
+            lifted.add_to_diagonal(row, REGULARIZATION * matrix.diagonal(row).max(least));
         }
         match self.attempt(&lifted)? {
-            Some(values) => Ok(Factor { symbolic: self.clone(), values }),
+            Some(values) => Ok(Factor { symbolic: self.clone(), values, regularized: true }),
             None => Err(Error::SolveFailed(format!(
                 "the system of {} unknowns is not positive definite: too few constraints?",
                 matrix.size()
@@ -114,18 +126,14 @@ impl Symbolic {
 
     /// The values of the factor; `None` where a pivot is not positive.
     fn attempt(&self, matrix: &SymmetricMatrix) -> Result<Option<Vec<f64>>> {
-        let length = self.0.len_val();
-        let too_large = |_| {
-            let gigabytes = length as f64 * 8e-9;
-            Error::SolveFailed(format!("the factor needs {gigabytes:.1} GB of memory"))
-        };
-        let mut values = Vec::new();
-        values.try_reserve_exact(length).map_err(too_large)?;
-        values.resize(length, 0.0);
         // faer's own threads cost more than they give on matrices of surfaces.
         let scratch = self.0.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
-        let mut memory =
-            MemBuffer::try_new(scratch).map_err(|_| Error::SolveFailed("no memory to factor in".into()))?;
+        memory::check(
+            "the factor",
+            8 * self.0.len_val() as u128 + scratch.unaligned_bytes_required() as u128,
+        )?;
+        let mut values = vec![0.0; self.0.len_val()];
+        let mut memory = MemBuffer::new(scratch);
         let outcome = self.0.factorize_numeric_llt(
             &mut values,
             matrix.0.as_ref(),
@@ -135,13 +143,25 @@ impl Symbolic {
             MemStack::new(&mut memory),
             Spec::default(),
         );
-        let positive = outcome.is_ok() && values.iter().all(|v| v.is_finite());
-        Ok(positive.then_some(values))
+        let definite = outcome.is_ok() && values.iter().all(|v| v.is_finite());
+        Ok((definite && self.stands(matrix, &values)).then_some(values))
     }
 
-    /// Number of values in the factor.
-    pub fn factor_size(&self) -> usize {
-        self.0.len_val()
+    /// Whether every pivot is more than what rounding leaves of the entry that it started from. Where one is
+    /// not, the matrix is singular as far as can be told, and the factor is noise.
+    fn stands(&self, matrix: &SymmetricMatrix, values: &[f64]) -> bool {
+        let pivots: Vec<f64> = match self.0.raw() {
+            SymbolicCholeskyRaw::Simplicial(symbolic) => {
+                symbolic.col_ptr()[..matrix.size()].iter().map(|&first| values[first as usize]).collect()
+            }
+            SymbolicCholeskyRaw::Supernodal(symbolic) => {
+                let factor = SupernodalLltRef::new(symbolic, values);
+                let blocks = (0..symbolic.n_supernodes()).map(|s| factor.supernode(s).val());
+                blocks.flat_map(|block| (0..block.ncols()).map(move |k| block[(k, k)])).collect()
+            }
+        };
+        let row = |k: usize| self.0.perm().map_or(k, |order| order.arrays().0[k] as usize);
+        (pivots.iter().enumerate()).all(|(k, pivot)| pivot * pivot > ROUNDING * matrix.diagonal(row(k)))
     }
 }
 
@@ -149,6 +169,25 @@ impl Factor {
     /// Number of unknowns.
     pub fn size(&self) -> usize {
         self.symbolic.0.nrows()
+    }
+
+    /// Whether the matrix was singular to rounding, and a little was added to its diagonal.
+    pub fn is_regularized(&self) -> bool {
+        self.regularized
+    }
+
+    /// Number of values, zeros that fill up blocks included.
+    pub fn nonzeros(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Bytes of values and indices: what one solve reads twice.
+    pub fn bytes(&self) -> usize {
+        let indices = match self.symbolic.0.raw() {
+            SymbolicCholeskyRaw::Simplicial(symbolic) => symbolic.row_idx().len() + symbolic.col_ptr().len(),
+            SymbolicCholeskyRaw::Supernodal(symbolic) => symbolic.row_idx().len(),
+        };
+        size_of::<f64>() * self.values.len() + size_of::<u32>() * indices
     }
 
     /// Replaces each column `b` by the solution `x` of `A x = b`.

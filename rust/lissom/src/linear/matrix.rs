@@ -122,9 +122,15 @@ impl SymmetricMatrix {
         })
     }
 
+    /// An entry of the diagonal.
+    pub fn diagonal(&self, row: usize) -> f64 {
+        let first = self.0.symbolic().row_idx_of_col_raw(row).first().copied();
+        if first == Some(row as u32) { self.0.val_of_col(row)[0] } else { 0.0 }
+    }
+
     /// The largest entry of the diagonal.
     pub fn largest(&self) -> f64 {
-        (0..self.size()).filter_map(|j| self.0.val_of_col(j).first()).fold(0.0, |most: f64, &d| most.max(d))
+        (0..self.size()).map(|row| self.diagonal(row)).fold(0.0, f64::max)
     }
 
     /// Number of rows and columns.

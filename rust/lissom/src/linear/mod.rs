@@ -12,6 +12,6 @@ mod system;
 
 pub use columns::Columns;
 pub use constraints::Constraints;
-pub use factor::{Factor, Symbolic};
+pub use factor::{Factor, REGULARIZED, Symbolic};
 pub use matrix::SymmetricMatrix;
 pub use system::ConstrainedSystem;

@@ -5,7 +5,7 @@
 use rayon::prelude::*;
 
 use super::{Columns, Constraints, Factor, Symbolic, SymmetricMatrix};
-use crate::Result;
+use crate::{Job, Result};
 
 /// A symmetric system with constraints, factored.
 #[derive(Debug)]
@@ -22,26 +22,30 @@ impl ConstrainedSystem {
     ///
     /// # Errors
     ///
-    /// [`crate::Error::SolveFailed`], see [`Symbolic::factor`].
-    pub fn new(matrix: &SymmetricMatrix, constraints: Constraints) -> Result<Self> {
-        Self::with_symbolic(matrix, constraints, None)
+    /// [`crate::Error::SolveFailed`], [`crate::Error::OutOfMemory`], see [`Symbolic::factor`];
+    /// [`crate::Error::Cancelled`].
+    pub fn new(matrix: &SymmetricMatrix, constraints: Constraints, job: &Job) -> Result<Self> {
+        Self::with_symbolic(matrix, constraints, None, job)
     }
 
     /// The same, with the symbolic part of a system of the same pattern and the same free vertices.
     ///
     /// # Errors
     ///
-    /// [`crate::Error::SolveFailed`], see [`Symbolic::factor`].
+    /// As [`ConstrainedSystem::new`].
     pub fn with_symbolic(
         matrix: &SymmetricMatrix,
         constraints: Constraints,
         symbolic: Option<&Symbolic>,
+        job: &Job,
     ) -> Result<Self> {
+        job.part("order of elimination")?;
         let (reduced, coupling) = eliminate(matrix, &constraints);
         let symbolic = match symbolic {
             Some(symbolic) => symbolic.clone(),
             None => Symbolic::analyse(&reduced)?,
         };
+        job.part("factorization")?;
         let factor = symbolic.factor(&reduced)?;
         Ok(Self { constraints, symbolic, factor, coupling })
     }
@@ -51,13 +55,15 @@ impl ConstrainedSystem {
     ///
     /// # Errors
     ///
-    /// [`crate::Error::SolveFailed`], see [`Symbolic::factor`].
-    pub fn of_blocks(matrix: SymmetricMatrix, constraints: &Constraints) -> Result<Self> {
+    /// As [`ConstrainedSystem::new`].
+    pub fn of_blocks(matrix: SymmetricMatrix, constraints: &Constraints, job: &Job) -> Result<Self> {
+        job.part("order of elimination")?;
         let constraints = constraints.of_axes();
         let (reduced, coupling) = eliminate(&matrix, &constraints);
         // The factor is about to need the room.
         drop(matrix);
         let symbolic = Symbolic::analyse_blocks(&reduced)?;
+        job.part("factorization")?;
         let factor = symbolic.factor(&reduced)?;
         Ok(Self { constraints, symbolic, factor, coupling })
     }
@@ -65,6 +71,11 @@ impl ConstrainedSystem {
     /// The constraints.
     pub fn constraints(&self) -> &Constraints {
         &self.constraints
+    }
+
+    /// The factor.
+    pub fn factor(&self) -> &Factor {
+        &self.factor
     }
 
     /// The symbolic part, for another system of the same pattern.

@@ -96,6 +96,8 @@ fn half_cotangents([a, b, c]: [Vec3; 3]) -> ([f64; 3], bool) {
     let least_excess = (l[0] + l[1] + l[2]) - 2.0 * longest;
     let lift = (MOLLIFY * longest - least_excess).max(0.0);
     l = l.map(|x| x + lift);
+    // Angles do not depend on size, but the fourth powers below would underflow.
+    l = l.map(|x| x / longest);
     // Heron's formula in Kahan's order, stable for needles.
     let mut sorted = l;
     sorted.sort_by(|x, y| y.total_cmp(x));
@@ -132,6 +134,19 @@ mod tests {
             // Positive semidefinite: both invariants of the 3 x 3 element matrix.
             assert!(w[0] + w[1] + w[2] >= 0.0);
             assert!(w[0] * w[1] + w[1] * w[2] + w[2] * w[0] >= 0.0);
+        }
+    }
+
+    #[test]
+    fn triangles_of_any_size_have_the_same_angles() {
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::new(0.3, 0.8, 0.1)];
+        let (expected, _) = half_cotangents(corners);
+        for scale in [1e-300, 1e-100, 1e-90, 1e100] {
+            let (weights, mollified) = half_cotangents(corners.map(|p| p * scale));
+            assert!(!mollified);
+            for (w, e) in weights.into_iter().zip(expected) {
+                assert!((w - e).abs() < 1e-12, "{w} instead of {e} at {scale}");
+            }
         }
     }
 

@@ -4,12 +4,13 @@ mod adjacency;
 mod components;
 pub(crate) mod geometry;
 pub(crate) mod validate;
+mod weld;
 
 pub use adjacency::{Adjacency, Corner, Side};
 pub use components::Components;
 pub use geometry::UnitFrame;
 
-use crate::{Result, Vec3};
+use crate::{Error, Fault, Result, Vec3};
 use geometry::TriangleGeometry;
 
 /// A validated triangle mesh with its adjacency and geometry.
@@ -26,6 +27,8 @@ pub struct Mesh {
     adjacency: Adjacency,
     components: Components,
     geometry: TriangleGeometry,
+    /// For each vertex the one that it is welded to, which may be itself; empty where none is.
+    welds: Vec<u32>,
     warnings: Vec<String>,
 }
 
@@ -40,8 +43,22 @@ impl Mesh {
     /// [`crate::Error::InvalidMesh`] for no vertices or triangles, indices out of range, values that
     /// are not finite, and points that are all coincident or collinear.
     pub fn new(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self> {
+        Self::welded(vertices, triangles, None)
+    }
+
+    /// The same, with vertices within `weld` of each other, in the mesh's own units, as one: that is where a
+    /// surface has seams, or is stored triangle by triangle. Their number and order stay as they are.
+    ///
+    /// # Errors
+    ///
+    /// As [`Mesh::new`], and [`crate::Error::InvalidValue`] for a distance that is negative or not finite.
+    pub fn welded(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>, weld: Option<f64>) -> Result<Self> {
         validate::numbers(&vertices, &triangles)?;
+        if weld.is_some_and(|distance| !(distance >= 0.0 && distance.is_finite())) {
+            return Err(Error::InvalidValue(Fault::new("weld", "must be a distance of 0 or more")));
+        }
         let mut warnings = Vec::new();
+        let (triangles, welds) = validate::seams(&vertices, triangles, weld, &mut warnings);
         let input_triangles = triangles.len();
         let (triangles, triangle_ids) = validate::drop_repeating(triangles, &mut warnings)?;
         let frame = UnitFrame::of(&vertices, &triangles)?;
@@ -50,7 +67,7 @@ impl Mesh {
         let adjacency = Adjacency::of(vertices.len(), &triangles);
         let components = Components::of(vertices.len(), &triangles);
         let geometry = TriangleGeometry::of(&rest, &triangles);
-        validate::doubts(&adjacency, &triangles, &triangle_ids, &geometry, &mut warnings);
+        validate::doubts(&adjacency, &triangles, &triangle_ids, &geometry, &welds, &mut warnings);
         Ok(Self {
             vertices,
             frame,
@@ -61,6 +78,7 @@ impl Mesh {
             adjacency,
             components,
             geometry,
+            welds,
             warnings,
         })
     }
@@ -80,6 +98,7 @@ impl Mesh {
             geometry: TriangleGeometry::of(&rest, &triangles),
             rest,
             triangles,
+            welds: Vec::new(),
             warnings: Vec::new(),
         }
     }
@@ -96,6 +115,7 @@ impl Mesh {
             geometry: TriangleGeometry::of(&rest, &self.triangles),
             rest,
             triangles: self.triangles.clone(),
+            welds: self.welds.clone(),
             warnings: self.warnings.clone(),
         }
     }
@@ -103,6 +123,21 @@ impl Mesh {
     /// Positions as given, in the mesh's own units.
     pub fn vertices(&self) -> &[Vec3] {
         &self.vertices
+    }
+
+    /// The vertex that triangles use in the place of this one: itself, but for one that is welded to another.
+    pub fn representative(&self, vertex: u32) -> u32 {
+        self.welds.get(vertex as usize).copied().unwrap_or(vertex)
+    }
+
+    /// The vertices that are welded to another, with that one.
+    pub fn welds(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        (0u32..).zip(self.welds.iter().copied()).filter(|(v, w)| v != w)
+    }
+
+    /// Gives every vertex that is welded to another what that one has.
+    pub fn follow<T: Copy>(&self, values: &mut [T]) {
+        self.welds().for_each(|(v, w)| values[v as usize] = values[w as usize]);
     }
 
     /// Positions in unit coordinates.

@@ -2,6 +2,7 @@
 
 use super::adjacency::Adjacency;
 use super::geometry::TriangleGeometry;
+use super::weld::representatives;
 use crate::{Error, Fault, Result, Vec3};
 
 /// Points are collinear when none lies further than this fraction of the diagonal from a line.
@@ -47,6 +48,33 @@ pub(super) fn drop_repeating(
     Ok((0u32..).zip(triangles).filter(|(_, t)| !repeats(t)).map(|(id, t)| (t, id)).unzip())
 }
 
+/// Triangles with the vertices that others are welded to, and which those are; without `weld`, where that
+/// would make a difference, only a warning.
+pub(super) fn seams(
+    vertices: &[Vec3],
+    mut triangles: Vec<[u32; 3]>,
+    weld: Option<f64>,
+    warnings: &mut Vec<String>,
+) -> (Vec<[u32; 3]>, Vec<u32>) {
+    let mut used = vec![false; vertices.len()];
+    for &v in triangles.iter().flatten() {
+        used[v as usize] = true;
+    }
+    let welds = representatives(vertices, &used, weld.unwrap_or(0.0));
+    let again = (0u32..).zip(&welds).filter(|(v, w)| v != *w).map(|(v, _)| v as usize);
+    let problem = match weld {
+        Some(_) => "welded to another in the same place",
+        None => "in the same place as another and not joined to it; weld= joins them",
+    };
+    let Some(fault) = Fault::at("vertices", problem, again) else { return (triangles, Vec::new()) };
+    warnings.push(fault.to_string());
+    if weld.is_none() {
+        return (triangles, Vec::new());
+    }
+    triangles.iter_mut().flatten().for_each(|v| *v = welds[*v as usize]);
+    (triangles, welds)
+}
+
 /// Refuses points that are all on one line (in unit coordinates, where they cannot all coincide).
 pub(crate) fn spread(rest: &[Vec3], triangles: &[[u32; 3]]) -> Result<()> {
     let used = || triangles.iter().flatten().map(|&v| rest[v as usize]);
@@ -65,6 +93,7 @@ pub(super) fn doubts(
     triangles: &[[u32; 3]],
     triangle_ids: &[u32],
     geometry: &TriangleGeometry,
+    welds: &[u32],
     warnings: &mut Vec<String>,
 ) {
     let mut say = |argument: &str, problem: &str, offenders: &mut dyn Iterator<Item = usize>| {
@@ -89,7 +118,8 @@ pub(super) fn doubts(
     say("triangles", "the same three vertices again", &mut { again });
 
     let vertices = adjacency.vertex_count();
-    let lonely = (0..vertices).filter(|&v| adjacency.corners_of(v).is_empty());
+    let alone = |v: usize| welds.get(v).is_none_or(|&w| w as usize == v);
+    let lonely = (0..vertices).filter(|&v| adjacency.corners_of(v).is_empty() && alone(v));
     say("vertices", "in no face, kept at rest", &mut { lonely });
 
     let edges = 0..adjacency.edges().len();

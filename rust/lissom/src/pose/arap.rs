@@ -16,6 +16,10 @@
 //! With spokes and rims the sum over a triangle is never negative, whatever the sign of single
 //! cotangents; spokes alone need negative edge weights cut off.
 //!
+//! Both steps are sums over the edges at a vertex. With `m_ij` for what the cell of `i` makes of the position
+//! of its neighbour `j`, the covariance of a cell is `C_i = sum_j (x_j - x_i) m_ij^T`, and the energy is
+//! quadratic in `x` but for `-2 sum_i R_i : C_i`.
+//!
 //! Two terms may join. `rotation_smoothing` adds `a area sum_ij w_ij |R_i - R_j|^2` (Levi & Gotsman 2015,
 //! Smooth Rotation Enhanced As-Rigid-As-Possible Mesh Animation), which makes a surface bend like a solid.
 //! `smoothness` blends to `(1 - l) E + l h^2 sum_i |(L x)_i - R_i (L v)_i|^2 / m_i` (Oehri, Herholz &
@@ -23,15 +27,14 @@
 //! the rotations still fitted to edges, so that a single moved vertex pulls without a spike. They leave the
 //! unit of length open; the factor [`BENDING`] times the region's area makes `l` mean the same for every mesh.
 //!
-//! Local and global steps alone converge slowly; Anderson acceleration with the energy as safeguard
-//! (Peng, Deng, Zhang, Geng, Qin & Liu 2018, Anderson Acceleration for Geometry Optimization and
-//! Physics Simulation) combines the last steps, and falls back to the plain one where the energy
-//! would rise.
+//! Local and global steps alone are descent along `-K^-1` times the gradient, `K` being the matrix of the
+//! global step, and converge slowly. The last steps tell more of the curvature: [`Lbfgs`] in that metric (Liu,
+//! Bouaziz & Kavan 2017, Quasi-Newton Methods for Real-Time Simulation of Hyperelastic Materials).
 
 use rayon::prelude::*;
 
-use super::anderson::Anderson;
 use super::field::{self, inverse_mass};
+use super::lbfgs::{self, Lbfgs};
 use super::{Goal, Method, Region, Solution, SolveOptions};
 use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
@@ -42,9 +45,21 @@ use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
 /// An energy below this fraction of that of the edges themselves is zero but for rounding.
 const NOTHING: f64 = 1e-14;
 
+/// Lengths tried along a direction before the plain step is taken instead.
+const TRIALS: usize = 4;
+
+/// The part of the decrease that the slope promises which a step must bring (Armijo 1966).
+const ENOUGH: f64 = 1e-4;
+
+/// Spread rotations are a start where they bring the energy below this fraction of that without.
+const CLEARLY: f64 = 0.8;
+
 /// What the bending term of `smoothness` is worth, relative to the area of the region: at `l = 1/2` it
 /// rules over distances below a tenth of the region's size.
 const BENDING: f64 = 0.01;
+
+/// Vertices that a thread takes at once.
+const GRAIN: usize = 1024;
 
 /// Which edges a vertex's rotation is fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -71,17 +86,37 @@ pub struct Options {
 #[derive(Debug)]
 pub struct Arap {
     options: Options,
-    /// Of each triangle, the weight of the edge opposite each corner.
-    weights: Vec<[f64; 3]>,
+    spokes: Spokes,
     system: ConstrainedSystem,
-    rotation_smoothing: Option<RotationSmoothing>,
+    /// `a` times the region's area.
+    rotation_smoothing: f64,
     smoothness: Option<Smoothness>,
     previous: Option<Vec<Mat3>>,
 }
 
-/// `a area w_ij` for the neighbours of each vertex.
+/// The edges at each vertex, one after another.
 #[derive(Debug)]
-struct RotationSmoothing(Vec<Vec<(u32, f64)>>);
+struct Spokes {
+    start: Vec<u32>,
+    spokes: Vec<Spoke>,
+    /// In how many cells an edge of a triangle is.
+    cells: f64,
+    /// `sum_j m_ij`.
+    total: Vec<Vec3>,
+    /// The weighted size of all edges at rest.
+    size: f64,
+}
+
+/// An edge from `i`, as `i` sees it.
+#[derive(Debug, Clone, Copy, Default)]
+struct Spoke {
+    neighbour: u32,
+    weight: f64,
+    /// `m_ij`: what the cell of `i` makes of the neighbour's position.
+    own: Vec3,
+    /// `m_ji`: what the neighbour's cell makes of the position of `i`.
+    neighbours: Vec3,
+}
 
 /// The Laplacian's rows over the square root of the cells' areas, and what they make of the rest pose.
 #[derive(Debug)]
@@ -91,6 +126,15 @@ struct Smoothness {
     rest: Vec<Vec3>,
 }
 
+/// A shape and the outcome of its local step.
+struct Fit {
+    displacements: Vec<Vec3>,
+    rotations: Vec<Mat3>,
+    energy: f64,
+    /// The weighted size of all edges, which rounding of the energy is relative to.
+    scale: f64,
+}
+
 impl Arap {
     /// Factors the system of the global step.
     ///
@@ -98,7 +142,7 @@ impl Arap {
     ///
     /// [`Error::InvalidValue`] for options out of their range, [`Error::SolveFailed`] where the system
     /// cannot be factored.
-    pub fn new(region: &Region, options: &Options) -> Result<Self> {
+    pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let invalid = |name: &str, problem: &str| Err(Error::InvalidValue(Fault::new(name, problem)));
         if !(options.rotation_smoothing >= 0.0 && options.rotation_smoothing.is_finite()) {
             return invalid("rotation_smoothing", "must be 0 or more");
@@ -108,177 +152,261 @@ impl Arap {
         }
         let mesh = region.mesh();
         let n = mesh.rest().len();
-        let weights = match options.cells {
-            Cells::SpokesAndRims => mesh.half_cotangents().to_vec(),
-            Cells::Spokes => without_negative_edges(mesh),
-        };
-        let edges = mesh.triangles().iter().zip(&weights);
-        let edges = edges.flat_map(|(&[a, b, c], w)| [(b, c, w[0]), (c, a, w[1]), (a, b, w[2])]);
-        let mut matrix = SymmetricMatrix::laplacian(n, edges);
+        let spokes = Spokes::of(mesh, options.cells);
+        let mut matrix = SymmetricMatrix::laplacian(n, spokes.edges());
         let smoothness = (options.smoothness > 0.0).then(|| Smoothness::of(mesh));
         if let Some(smoothness) = &smoothness {
             let rows = smoothness.factor.iter().copied().zip(smoothness.rows.iter().map(Vec::as_slice));
             let bending = SymmetricMatrix::normal(n, rows);
             matrix = matrix.combine(1.0 - options.smoothness, &bending, options.smoothness);
         }
-        let system = ConstrainedSystem::new(&matrix, region.constraints().clone())?;
-        let smoothing = options.rotation_smoothing;
-        let rotation_smoothing = (smoothing > 0.0).then(|| RotationSmoothing::of(mesh, smoothing));
+        let system = ConstrainedSystem::new(&matrix, region.constraints().clone(), job)?;
+        let rotation_smoothing = options.rotation_smoothing * mesh.areas().iter().sum::<f64>();
         let options = options.clone();
-        Ok(Self { options, weights, system, rotation_smoothing, smoothness, previous: None })
+        Ok(Self { options, spokes, system, rotation_smoothing, smoothness, previous: None })
     }
 
-    /// Rotations to start from: the handles', spread as harmonic rotation vectors. Where all given
-    /// vertices move by the same rigid motion, that motion.
-    fn guess(&self, region: &Region, goal: &Goal) -> Vec<Mat3> {
-        field::rotations(&self.system, region, goal)
+    /// The better of two shapes to start from: stitched to the handles' rotations, spread as harmonic rotation
+    /// vectors, which is exact where all given vertices move by one rigid motion; or to the rotations that
+    /// fit where only the handles move, which bends nothing that may stay straight. Which of them leads to
+    /// the lower minimum shows only at the end. Where both are about equal, rotations are not what the pose is
+    /// about, and the second leads lower.
+    fn start(&self, region: &Region, goal: &Goal) -> Fit {
+        let mesh = region.mesh();
+        let from = |rotations: &[Mat3]| {
+            let x = self.stitch(goal, &goal.displacements, rotations);
+            self.fit(mesh, goal, x, rotations)
+        };
+        let identity = vec![Mat3::IDENTITY; mesh.rest().len()];
+        let spread = from(&field::rotations(&self.system, region, goal));
+        let rest = from(&self.fit(mesh, goal, goal.displacements.clone(), &identity).rotations);
+        if spread.energy <= CLEARLY * rest.energy { spread } else { rest }
     }
 
-    /// The global step: displacements for fixed rotations.
-    fn stitch(&self, mesh: &Mesh, goal: &Goal, rotations: &[Mat3]) -> Vec<Vec3> {
-        let rest = mesh.rest();
-        let spokes = self.options.cells == Cells::Spokes;
+    /// The global step from any displacements: where the gradient for fixed rotations is zero.
+    fn stitch(&self, goal: &Goal, displacements: &[Vec3], rotations: &[Mat3]) -> Vec<Vec3> {
+        moved(displacements, &self.lift(&self.gradient(goal, displacements, rotations)), -1.0)
+    }
+
+    /// `K^-1` of a gradient.
+    fn lift(&self, gradient: &[Vec3]) -> Vec<Vec3> {
+        let mut x = Columns::zeros(gradient.len(), 3);
+        self.system.solve(&Columns::from_vectors(gradient), &mut x);
+        x.vectors(0)
+    }
+
+    /// The gradient by the displacements, for fixed rotations, over twice the cells that an edge is in.
+    fn gradient(&self, goal: &Goal, displacements: &[Vec3], rotations: &[Mat3]) -> Vec<Vec3> {
         let share = 1.0 - self.options.smoothness;
-        // What each triangle asks of each of its corners.
-        let asked: Vec<[Vec3; 3]> = (mesh.triangles().par_iter())
-            .zip(&self.weights)
-            .with_min_len(512)
+        let constraints = self.system.constraints();
+        let at = |i: usize| {
+            if constraints.slot(i as u32).is_none() {
+                return Vec3::ZERO;
+            }
+            // Rotations less the identity, so that what does not move asks for exactly nothing.
+            let turn = |i: usize| rotations[i] - Mat3::IDENTITY;
+            let (mut stretch, mut turned) = (Vec3::ZERO, turn(i) * self.spokes.total[i]);
+            for spoke in self.spokes.at(i) {
+                let j = spoke.neighbour as usize;
+                stretch += (displacements[i] - displacements[j]) * spoke.weight;
+                turned -= turn(j) * spoke.neighbours;
+            }
+            (stretch + turned * (1.0 / self.spokes.cells)) * share
+        };
+        let mut gradient: Vec<Vec3> =
+            (0..displacements.len()).into_par_iter().with_min_len(GRAIN).map(at).collect();
+        if let Some(smoothness) = &self.smoothness {
+            smoothness.add_gradient(displacements, rotations, self.options.smoothness, &mut gradient);
+        }
+        for &(v, weight) in constraints.soft().iter().filter(|(v, _)| constraints.slot(*v).is_some()) {
+            let v = v as usize;
+            gradient[v] += (displacements[v] - goal.displacements[v]) * weight;
+        }
+        gradient
+    }
+
+    /// The local step: the best rotations, from the last ones where they are smoothed, and the energy.
+    fn fit(&self, mesh: &Mesh, goal: &Goal, displacements: Vec<Vec3>, last: &[Mat3]) -> Fit {
+        let posed = moved(mesh.rest(), &displacements, 1.0);
+        let smoothing = self.rotation_smoothing;
+        let at = |i: usize| {
+            let (mut cell, mut size) = (Mat3::ZERO, 0.0);
+            for spoke in self.spokes.at(i) {
+                let edge = posed[spoke.neighbour as usize] - posed[i];
+                cell += outer(edge, spoke.own);
+                size += spoke.weight * edge.length_squared();
+            }
+            let mut pulled = cell;
+            if smoothing > 0.0 {
+                for spoke in self.spokes.at(i) {
+                    pulled += last[spoke.neighbour as usize] * (2.0 * smoothing * spoke.weight.max(0.0));
+                }
+            }
+            let rotation = nearest_rotation(pulled);
+            // Each edge is seen from both its ends.
+            (rotation, (0.5 * self.spokes.cells * size, 2.0 * dot(rotation, cell)))
+        };
+        let (rotations, parts): (Vec<Mat3>, Vec<(f64, f64)>) =
+            (0..posed.len()).into_par_iter().with_min_len(GRAIN).map(at).unzip();
+        // Summed in order, not by the threads, so that results repeat to the last bit.
+        let scale = self.spokes.size + parts.iter().map(|part| part.0).sum::<f64>();
+        let rigidity = scale - parts.iter().map(|part| part.1).sum::<f64>();
+        let apart = if smoothing > 0.0 { smoothing * self.spokes.disagreement(&rotations) } else { 0.0 };
+        let missed = |&(v, weight): &(u32, f64)| {
+            weight * displacements[v as usize].distance_squared(goal.displacements[v as usize])
+        };
+        let pulls: f64 = self.system.constraints().soft().iter().map(missed).sum();
+        let share = self.options.smoothness;
+        let bending = self.smoothness.as_ref().map_or(0.0, |s| s.energy(&displacements, &rotations));
+        // The global step weighs an edge once, the energy once for every cell that it is in.
+        let energy = (1.0 - share) * rigidity + self.spokes.cells * (share * bending + pulls) + apart;
+        Fit { displacements, rotations, energy, scale }
+    }
+
+    /// The first of some lengths of a step along `direction` that lowers the energy well enough; each is where
+    /// the parabola through what is known has its minimum.
+    fn search(
+        &self,
+        mesh: &Mesh,
+        goal: &Goal,
+        from: &Fit,
+        direction: &[Vec3],
+        slope: f64,
+    ) -> Option<(Fit, f64)> {
+        let mut length = 1.0;
+        for _ in 0..TRIALS {
+            let next = self.fit(mesh, goal, moved(&from.displacements, direction, length), &from.rotations);
+            let change = next.energy - from.energy;
+            if change <= ENOUGH * length * slope.min(0.0) + NOTHING * next.scale {
+                return Some((next, length));
+            }
+            let lowest = -slope * length * length / (2.0 * (change - slope * length));
+            length = lowest.clamp(0.1 * length, 0.5 * length);
+        }
+        None
+    }
+}
+
+impl Method for Arap {
+    fn systems(&self) -> Vec<&ConstrainedSystem> {
+        vec![&self.system]
+    }
+
+    fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution> {
+        let mesh = region.mesh();
+        let mut fit = match self.previous.take() {
+            Some(rotations) if options.warm_start => {
+                let x = self.stitch(goal, &goal.displacements, &rotations);
+                self.fit(mesh, goal, x, &rotations)
+            }
+            _ => self.start(region, goal),
+        };
+        let mut memory = Lbfgs::default();
+        let (mut iterations, mut quiet, mut residual, mut length) = (0, 0, f64::INFINITY, 1.0);
+        while iterations < options.max_iterations && quiet < 2 {
+            job.report(iterations as f64 / options.max_iterations as f64, "posing");
+            job.check()?;
+            let gradient = self.gradient(goal, &fit.displacements, &fit.rotations);
+            let lifted = self.lift(&gradient);
+            let direction = memory.direction(&gradient, &lifted, length);
+            let slope = 2.0 * self.spokes.cells * lbfgs::dot(&gradient, &direction);
+            let next = match self.search(mesh, goal, &fit, &direction, slope) {
+                Some((next, found)) => {
+                    length = found;
+                    next
+                }
+                None => {
+                    memory = Lbfgs::default();
+                    self.fit(mesh, goal, moved(&fit.displacements, &lifted, -1.0), &fit.rotations)
+                }
+            };
+            iterations += 1;
+            // One small step may be an accident of the model, two are not.
+            let gain = fit.energy - next.energy;
+            let small = gain <= options.tolerance * next.energy + NOTHING * next.scale;
+            quiet = if small { quiet + 1 } else { 0 };
+            residual = gain / next.energy;
+            fit = next;
+        }
+        self.previous = Some(fit.rotations);
+        let energy = Some(fit.energy.max(0.0));
+        Ok(Solution { displacements: fit.displacements, iterations, energy, converged: quiet == 2, residual })
+    }
+}
+
+impl Spokes {
+    fn of(mesh: &Mesh, cells: Cells) -> Self {
+        let (rest, adjacency, triangles) = (mesh.rest(), mesh.adjacency(), mesh.triangles());
+        let count = match cells {
+            Cells::SpokesAndRims => 3.0,
+            Cells::Spokes => 2.0,
+        };
+        // In each triangle, the differential coordinates of its corners: what its edges ask of them.
+        let coordinates: Vec<[Vec3; 3]> = (triangles.par_iter().zip(mesh.half_cotangents()))
             .map(|(t, w)| {
                 let v = t.map(|i| rest[i as usize]);
-                let r = t.map(|i| rotations[i as usize]);
-                let mean = (r[0] + r[1] + r[2]) * (1.0 / 3.0) - Mat3::IDENTITY;
-                let edge = |c: usize| {
-                    let (j, k) = ((c + 1) % 3, (c + 2) % 3);
-                    let target = if spokes { (r[j] + r[k]) * 0.5 - Mat3::IDENTITY } else { mean };
-                    target * ((v[k] - v[j]) * (w[c] * share))
-                };
+                let edge = |c: usize| (v[(c + 2) % 3] - v[(c + 1) % 3]) * w[c];
                 let [bc, ca, ab] = [edge(0), edge(1), edge(2)];
                 [ca - ab, ab - bc, bc - ca]
             })
             .collect();
-        let sum = |i: usize| {
-            let corners = mesh.adjacency().corners_of(i).iter();
-            corners.fold(Vec3::ZERO, |b, c| b + asked[c.triangle as usize][usize::from(c.corner)])
-        };
-        let mut rhs: Vec<Vec3> = (0..rest.len()).into_par_iter().with_min_len(1024).map(sum).collect();
-        if let Some(smoothness) = &self.smoothness {
-            smoothness.ask(rotations, self.options.smoothness, &mut rhs);
-        }
-        let mut x = Columns::from_vectors(&goal.displacements);
-        self.system.solve(&Columns::from_vectors(&rhs), &mut x);
-        x.vectors(0)
-    }
-
-    /// The local step: the best rotations, from the last ones where they are smoothed, and the energy.
-    fn fit(&self, mesh: &Mesh, displacements: &[Vec3], last: &[Mat3]) -> Fit {
-        let rest = mesh.rest();
-        let spokes = self.options.cells == Cells::Spokes;
-        // Of each triangle: the covariance of all its edges, or for spokes of the two at each corner.
-        let (covariances, sizes): (Vec<[Mat3; 3]>, Vec<f64>) = (mesh.triangles().par_iter())
-            .zip(&self.weights)
-            .with_min_len(512)
-            .map(|(t, w)| {
-                let v = t.map(|i| rest[i as usize]);
-                let d = t.map(|i| displacements[i as usize]);
-                let mut size = 0.0;
-                let e = [0, 1, 2].map(|c| {
-                    let (j, k) = ((c + 1) % 3, (c + 2) % 3);
-                    let old = v[k] - v[j];
-                    let new = old + (d[k] - d[j]);
-                    size += w[c] * (new.length_squared() + old.length_squared());
-                    outer(new * w[c], old)
-                });
-                let all = e[0] + e[1] + e[2];
-                (if spokes { [all - e[0], all - e[1], all - e[2]] } else { [all; 3] }, size)
-            })
-            .unzip();
-        let (rotations, fits): (Vec<Mat3>, Vec<f64>) = (0..rest.len())
-            .into_par_iter()
-            .with_min_len(512)
-            .map(|i| {
-                let corners = mesh.adjacency().corners_of(i).iter();
-                let mut cell = corners
-                    .fold(Mat3::ZERO, |sum, c| sum + covariances[c.triangle as usize][usize::from(c.corner)]);
-                let fitted = cell;
-                if let Some(RotationSmoothing(neighbours)) = &self.rotation_smoothing {
-                    for &(j, w) in &neighbours[i] {
-                        cell += last[j as usize] * (2.0 * w);
+        let mut size = 0.0;
+        let edges: Vec<(f64, [Vec3; 2])> = (adjacency.edges().iter().enumerate())
+            .map(|(e, ends)| {
+                let (mut weight, mut asked) = (0.0, [Vec3::ZERO; 2]);
+                for side in adjacency.sides_of(e) {
+                    let t = side.triangle as usize;
+                    for (corner, &v) in triangles[t].iter().enumerate() {
+                        match ends.iter().position(|&end| end == v) {
+                            Some(end) => asked[end] += coordinates[t][corner],
+                            None => weight += mesh.half_cotangents()[t][corner],
+                        }
                     }
                 }
-                let rotation = nearest_rotation(cell);
-                (rotation, 2.0 * dot(rotation, fitted))
+                let along = rest[ends[1] as usize] - rest[ends[0] as usize];
+                if cells == Cells::Spokes {
+                    weight = weight.max(0.0);
+                    asked = [along * -weight, along * weight];
+                }
+                size += count * weight * along.length_squared();
+                (weight, asked)
             })
-            .unzip();
-        // Summed in order, not by the threads, so that results repeat to the last bit.
-        let scale = if spokes { 2.0 } else { 3.0 } * sizes.iter().sum::<f64>();
-        let rigidity = scale - fits.iter().sum::<f64>();
-        let bending = self.smoothness.as_ref().map_or(0.0, |s| s.energy(displacements, &rotations));
-        let share = self.options.smoothness;
-        // The global step weighs an edge once, the energy once for every cell that it is in.
-        let cells = if spokes { 2.0 } else { 3.0 };
-        let apart = self.rotation_smoothing.as_ref().map_or(0.0, |s| s.energy(&rotations));
-        Fit { energy: (1.0 - share) * rigidity + share * cells * bending + apart, rotations, scale }
-    }
-}
-
-/// The outcome of a local step.
-struct Fit {
-    rotations: Vec<Mat3>,
-    energy: f64,
-    /// The weighted size of all edges, which rounding of the energy is relative to.
-    scale: f64,
-}
-
-impl Method for Arap {
-    fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution> {
-        let mesh = region.mesh();
-        let start = match self.previous.take() {
-            Some(rotations) if options.warm_start => rotations,
-            _ => self.guess(region, goal),
-        };
-        let mut x = self.stitch(mesh, goal, &start);
-        let mut fit = self.fit(mesh, &x, &start);
-        let mut acceleration = Anderson::default();
-        let (mut iterations, mut quiet) = (0, 0);
-        while iterations < options.max_iterations && quiet < 2 {
-            job.report(iterations as f64 / options.max_iterations as f64, "posing");
-            job.check()?;
-            let plain = self.stitch(mesh, goal, &fit.rotations);
-            let before = fit;
-            x = acceleration.combine(&x, &plain);
-            fit = self.fit(mesh, &x, &before.rotations);
-            if fit.energy > before.energy {
-                x = plain;
-                fit = self.fit(mesh, &x, &before.rotations);
-            }
-            iterations += 1;
-            // One small step may be an accident of the acceleration, two are not.
-            let gain = before.energy - fit.energy;
-            let small = gain <= options.tolerance * fit.energy + NOTHING * fit.scale;
-            quiet = if small { quiet + 1 } else { 0 };
+            .collect();
+        let mut start = vec![0u32; rest.len() + 1];
+        for &v in adjacency.edges().iter().flatten() {
+            start[v as usize + 1] += 1;
         }
-        self.previous = Some(fit.rotations);
-        let energy = Some(fit.energy.max(0.0));
-        Ok(Solution { displacements: x, iterations, energy, converged: quiet == 2 })
+        for v in 0..rest.len() {
+            start[v + 1] += start[v];
+        }
+        let mut next = start.clone();
+        let mut spokes = vec![Spoke::default(); 2 * edges.len()];
+        let mut total = vec![Vec3::ZERO; rest.len()];
+        for (&[a, b], &(weight, [at_a, at_b])) in adjacency.edges().iter().zip(&edges) {
+            for (from, neighbour, own, neighbours) in [(a, b, at_b, at_a), (b, a, at_a, at_b)] {
+                spokes[next[from as usize] as usize] = Spoke { neighbour, weight, own, neighbours };
+                next[from as usize] += 1;
+                total[from as usize] += own;
+            }
+        }
+        Self { start, spokes, cells: count, total, size }
     }
-}
 
-impl RotationSmoothing {
-    fn of(mesh: &Mesh, amount: f64) -> Self {
-        let area: f64 = mesh.areas().iter().sum();
-        let rows = cotangent_laplacian(mesh).rows().into_iter().enumerate();
-        let weight = |(j, value): (u32, f64)| (j, (-value * amount * area).max(0.0));
-        let others = |(i, row): (usize, Vec<(u32, f64)>)| {
-            row.into_iter().filter(|&(j, _)| j as usize != i).map(weight).collect()
-        };
-        Self(rows.map(others).collect())
+    fn at(&self, vertex: usize) -> &[Spoke] {
+        &self.spokes[self.start[vertex] as usize..self.start[vertex + 1] as usize]
     }
 
-    fn energy(&self, rotations: &[Mat3]) -> f64 {
-        let apart = |(i, row): (usize, &Vec<(u32, f64)>)| {
-            row.iter().map(|&(j, w)| w * (6.0 - 2.0 * dot(rotations[i], rotations[j as usize]))).sum::<f64>()
+    fn edges(&self) -> impl Iterator<Item = (u32, u32, f64)> {
+        let at = |i: u32| self.at(i as usize).iter().map(move |s| (i, s.neighbour, s.weight));
+        (0..self.total.len() as u32).flat_map(at).filter(|(i, j, _)| i < j)
+    }
+
+    /// `sum_ij w_ij |R_i - R_j|^2`.
+    fn disagreement(&self, rotations: &[Mat3]) -> f64 {
+        let apart = |(i, j, w): (u32, u32, f64)| {
+            w.max(0.0) * (6.0 - 2.0 * dot(rotations[i as usize], rotations[j as usize]))
         };
-        self.0.iter().enumerate().map(apart).sum()
+        2.0 * self.edges().map(apart).sum::<f64>()
     }
 }
 
@@ -291,23 +419,28 @@ impl Smoothness {
         Self { rows, factor: inverse.into_iter().map(|m| m * unit).collect(), rest }
     }
 
-    /// Adds what `l sum_i f_i |(L d)_i - (R_i - I) (L v)_i|^2` asks for.
-    fn ask(&self, rotations: &[Mat3], amount: f64, rhs: &mut [Vec3]) {
+    /// Adds the gradient of `l/2 sum_i f_i |(L d)_i - (R_i - I) (L v)_i|^2`.
+    fn add_gradient(&self, displacements: &[Vec3], rotations: &[Mat3], amount: f64, gradient: &mut [Vec3]) {
         for (i, row) in self.rows.iter().enumerate() {
-            let turned = (rotations[i] * self.rest[i] - self.rest[i]) * (amount * self.factor[i]);
+            let bend = self.bend(i, displacements, rotations) * (amount * self.factor[i]);
             for &(j, value) in row {
-                rhs[j as usize] += turned * value;
+                gradient[j as usize] += bend * value;
             }
         }
     }
-
     fn energy(&self, displacements: &[Vec3], rotations: &[Mat3]) -> f64 {
-        let part = |i: usize| {
-            let bend = combination(&self.rows[i], displacements) + self.rest[i] - rotations[i] * self.rest[i];
-            self.factor[i] * bend.length_squared()
-        };
+        let part = |i: usize| self.factor[i] * self.bend(i, displacements, rotations).length_squared();
         (0..self.rows.len()).map(part).sum()
     }
+
+    fn bend(&self, i: usize, displacements: &[Vec3], rotations: &[Mat3]) -> Vec3 {
+        combination(&self.rows[i], displacements) + self.rest[i] - rotations[i] * self.rest[i]
+    }
+}
+
+fn moved(from: &[Vec3], direction: &[Vec3], length: f64) -> Vec<Vec3> {
+    let along = |(x, d): (&Vec3, &Vec3)| *x + *d * length;
+    from.par_iter().zip(direction).with_min_len(4096).map(along).collect()
 }
 
 fn combination(row: &[(u32, f64)], vectors: &[Vec3]) -> Vec3 {
@@ -317,20 +450,4 @@ fn combination(row: &[(u32, f64)], vectors: &[Vec3]) -> Vec3 {
 /// `tr(a^T b)`.
 fn dot(a: Mat3, b: Mat3) -> f64 {
     a.x_axis.dot(b.x_axis) + a.y_axis.dot(b.y_axis) + a.z_axis.dot(b.z_axis)
-}
-
-/// Half the cotangents, but zero on edges whose two together are negative, and else shared evenly.
-fn without_negative_edges(mesh: &Mesh) -> Vec<[f64; 3]> {
-    let (adjacency, triangles) = (mesh.adjacency(), mesh.triangles());
-    let mut weights = mesh.half_cotangents().to_vec();
-    for (e, ends) in adjacency.edges().iter().enumerate() {
-        let sides = adjacency.sides_of(e);
-        let opposite = |t: usize| (0..3).find(|&c| !ends.contains(&triangles[t][c])).unwrap_or(0);
-        let sum: f64 = sides.iter().map(|s| s.triangle as usize).map(|t| weights[t][opposite(t)]).sum();
-        for side in sides {
-            let t = side.triangle as usize;
-            weights[t][opposite(t)] = sum.max(0.0) / sides.len() as f64;
-        }
-    }
-    weights
 }

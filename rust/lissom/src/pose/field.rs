@@ -14,11 +14,11 @@ use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::mass::lumped_mass;
 use crate::rotation::exp;
-use crate::{Error, Fault, Mat3, Mesh, Result, Vec3};
+use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
 
 /// The factored system of a field of `order` 0, 1 or 2 on a region.
-pub(super) fn smooth_system(region: &Region, order: usize) -> Result<ConstrainedSystem> {
-    ConstrainedSystem::new(&polyharmonic(region.mesh(), order)?, region.constraints().clone())
+pub(super) fn smooth_system(region: &Region, order: usize, job: &Job) -> Result<ConstrainedSystem> {
+    ConstrainedSystem::new(&polyharmonic(region.mesh(), order)?, region.constraints().clone(), job)
 }
 
 /// Fields of several vectors per handle; one that is zero at all of them costs nothing.
@@ -97,9 +97,12 @@ pub(super) fn polyharmonic(mesh: &Mesh, order: usize) -> Result<SymmetricMatrix>
     }
 }
 
+/// Smallest area of a cell, that of one 1e-12 of the diagonal across: the square of its inverse is in range.
+const LEAST_AREA: f64 = 1e-24;
+
 /// One over the lumped areas. Cells without area get a millionth of the mean.
 pub(super) fn inverse_mass(mesh: &Mesh) -> Vec<f64> {
     let mass = lumped_mass(mesh);
-    let least = 1e-6 * mass.iter().sum::<f64>() / mass.len() as f64;
+    let least = (1e-6 * mass.iter().sum::<f64>() / mass.len() as f64).max(LEAST_AREA);
     mass.iter().map(|m| 1.0 / m.max(least)).collect()
 }

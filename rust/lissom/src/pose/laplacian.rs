@@ -16,7 +16,7 @@ use super::{Goal, Region};
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::graph::graph_laplacian;
-use crate::{Mesh, Result, Vec3};
+use crate::{Job, Mesh, Result, Vec3};
 
 /// How neighbours are weighed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -49,10 +49,10 @@ impl Laplacian {
     /// # Errors
     ///
     /// [`crate::Error::SolveFailed`] where it cannot be factored.
-    pub fn new(region: &Region, options: &Options) -> Result<Self> {
+    pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let (laplacian, squares) = operator(region.mesh(), options.weights);
         let matrix = laplacian.sandwich(&squares);
-        let system = ConstrainedSystem::new(&matrix, region.constraints().clone())?;
+        let system = ConstrainedSystem::new(&matrix, region.constraints().clone(), job)?;
         Ok(Self { system, laplacian, squares })
     }
 }
@@ -71,6 +71,10 @@ pub(super) fn operator(mesh: &Mesh, weights: Weights) -> (SymmetricMatrix, Vec<f
 }
 
 impl Response for Laplacian {
+    fn systems(&self) -> Vec<&ConstrainedSystem> {
+        vec![&self.system]
+    }
+
     fn displacements(&self, region: &Region, goal: &Goal) -> Vec<Vec3> {
         self.displacements_of(region, std::slice::from_ref(goal)).swap_remove(0)
     }

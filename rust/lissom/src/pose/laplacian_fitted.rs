@@ -27,7 +27,7 @@ use super::{Goal, Region};
 use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
 use crate::operators::gradient::outer;
 use crate::operators::graph::graph_laplacian;
-use crate::{Mat3, Mesh, Result, Vec3};
+use crate::{Job, Mat3, Mesh, Result, Vec3};
 
 /// Added to `K`, relative to its trace. Where a vertex and its neighbours lie on a line, turns about it
 /// cannot be told, and are none.
@@ -71,7 +71,7 @@ impl LaplacianFitted {
     /// # Errors
     ///
     /// [`crate::Error::SolveFailed`] where it cannot be factored.
-    pub fn new(region: &Region, options: &Options) -> Result<Self> {
+    pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let mesh = region.mesh();
         let rows = rows(mesh, options);
         let mut matrix = normal_matrix(&rows);
@@ -82,7 +82,7 @@ impl LaplacianFitted {
         if let Some(edges) = &edges {
             matrix = matrix.combine(1.0, edges, 1.0);
         }
-        let system = ConstrainedSystem::of_blocks(matrix, region.constraints())?;
+        let system = ConstrainedSystem::of_blocks(matrix, region.constraints(), job)?;
         Ok(Self { system, rows, edges })
     }
 
@@ -167,6 +167,10 @@ fn normal_matrix(rows: &[Row]) -> SymmetricMatrix {
 }
 
 impl Response for LaplacianFitted {
+    fn systems(&self) -> Vec<&ConstrainedSystem> {
+        vec![&self.system]
+    }
+
     fn displacements(&self, region: &Region, goal: &Goal) -> Vec<Vec3> {
         self.displacements_of(region, std::slice::from_ref(goal)).swap_remove(0)
     }

@@ -14,11 +14,11 @@
 //! | [`multiresolution`] | how a smoothed base moves, by any other method |
 //! | [`arap`] | the rotations that fit the current shape best, again and again |
 
-mod anderson;
 pub mod arap;
 mod field;
 pub mod laplacian;
 pub mod laplacian_fitted;
+mod lbfgs;
 pub mod multiresolution;
 pub mod poisson;
 mod region;
@@ -26,6 +26,7 @@ mod responses;
 pub mod rotation_invariant;
 pub mod thin_shell;
 
+use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use std::time::Instant;
@@ -33,6 +34,7 @@ use std::time::Instant;
 pub use region::Region;
 pub use responses::{Linear, Response};
 
+use crate::linear::{ConstrainedSystem, Factor, REGULARIZED};
 use crate::rotation::{agree, log, nearest_branch, nearest_rotation};
 use crate::{Error, Fault, Job, Mat3, Mat4, Mesh, Result, Vec3};
 
@@ -46,6 +48,9 @@ pub const METHODS: &[&str] = &[
     "multiresolution",
     "arap",
 ];
+
+/// Welded vertices may be asked to go this far apart, as a fraction of the diagonal.
+const TORN: f64 = 1e-6;
 
 /// A method and its options; one of [`METHODS`] each.
 #[derive(Debug, Clone)]
@@ -73,19 +78,23 @@ impl Default for MethodOptions {
 }
 
 impl MethodOptions {
-    fn bind(&self, region: &Region) -> Result<Box<dyn Method>> {
+    fn bind(&self, region: &Region, job: &Job) -> Result<Box<dyn Method>> {
         Ok(match self {
-            Self::Laplacian(options) => Box::new(Linear::new(laplacian::Laplacian::new(region, options)?)),
+            Self::Laplacian(options) => {
+                Box::new(Linear::new(laplacian::Laplacian::new(region, options, job)?))
+            }
             Self::LaplacianFitted(options) => {
-                Box::new(Linear::new(laplacian_fitted::LaplacianFitted::new(region, options)?))
+                Box::new(Linear::new(laplacian_fitted::LaplacianFitted::new(region, options, job)?))
             }
-            Self::ThinShell(options) => Box::new(Linear::new(thin_shell::ThinShell::new(region, options)?)),
-            Self::RotationInvariant(options) => rotation_invariant::bind(region, options)?,
-            Self::Poisson(options) => Box::new(poisson::Poisson::new(region, options)?),
+            Self::ThinShell(options) => {
+                Box::new(Linear::new(thin_shell::ThinShell::new(region, options, job)?))
+            }
+            Self::RotationInvariant(options) => rotation_invariant::bind(region, options, job)?,
+            Self::Poisson(options) => Box::new(poisson::Poisson::new(region, options, job)?),
             Self::Multiresolution(options) => {
-                Box::new(multiresolution::Multiresolution::new(region, options)?)
+                Box::new(multiresolution::Multiresolution::new(region, options, job)?)
             }
-            Self::Arap(options) => Box::new(arap::Arap::new(region, options)?),
+            Self::Arap(options) => Box::new(arap::Arap::new(region, options, job)?),
         })
     }
 }
@@ -192,12 +201,14 @@ pub struct Solution {
     pub energy: Option<f64>,
     /// Whether the tolerance was reached.
     pub converged: bool,
+    /// The fraction of the energy by which the last iteration lowered it.
+    pub residual: f64,
 }
 
 impl Solution {
     /// What a method that does not iterate found.
     pub(crate) fn direct(displacements: Vec<Vec3>) -> Self {
-        Self { displacements, iterations: 1, energy: None, converged: true }
+        Self { displacements, iterations: 1, energy: None, converged: true, residual: 0.0 }
     }
 }
 
@@ -209,14 +220,36 @@ pub trait Method: Send + std::fmt::Debug {
     ///
     /// [`Error::Cancelled`], and [`Error::SolveFailed`] where the linear algebra gives up.
     fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution>;
+
+    /// What it factored, to solve by.
+    fn systems(&self) -> Vec<&ConstrainedSystem>;
+}
+
+/// What binding a pose made; all systems of its method together.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Info {
+    /// Unknowns.
+    pub unknowns: usize,
+    /// Values in the factors, zeros that fill up blocks included.
+    pub nonzeros: usize,
+    /// Bytes of the factors, indices included.
+    pub bytes: usize,
+    /// Time of binding.
+    pub seconds: f64,
 }
 
 /// A mesh with handles, ready to be posed.
 #[derive(Debug)]
 pub struct Pose {
     mesh: Arc<Mesh>,
+    /// The handles, as given.
+    handles: Vec<Handle>,
+    /// Of all their vertices, those that stand for the ones that are welded to the same; their places.
+    distinct: Vec<usize>,
     region: Region,
     method: Option<Box<dyn Method>>,
+    info: Info,
+    warnings: Vec<String>,
 }
 
 impl Pose {
@@ -229,17 +262,43 @@ impl Pose {
     ///
     /// [`Error::InvalidConstraint`] for no or empty handles, a vertex in two handles, indices out of
     /// range, membership outside (0, 1] and an empty region; [`Error::InvalidValue`] for options out of
-    /// their range; [`Error::SolveFailed`] where the system cannot be factored.
+    /// their range; [`Error::SolveFailed`] where the system cannot be factored; [`Error::OutOfMemory`],
+    /// [`Error::Cancelled`].
     pub fn new(
         mesh: Arc<Mesh>,
         handles: Vec<Handle>,
         roi: Option<&[u32]>,
         hold: Hold,
         method: &MethodOptions,
+        job: &Job,
     ) -> Result<Self> {
-        let region = Region::of(&mesh, handles, roi, hold)?;
-        let method = if region.is_rigid() { None } else { Some(method.bind(&region)?) };
-        Ok(Self { mesh, region, method })
+        let begin = Instant::now();
+        job.report(0.0, "region");
+        let (distinct, welded) = weld(&mesh, &handles);
+        let roi = roi.map(|roi| roi.iter().map(|&v| mesh.representative(v)).collect::<Vec<_>>());
+        let region = Region::of(&mesh, welded, roi.as_deref(), hold)?;
+        job.report(0.1, "matrix");
+        job.check()?;
+        let method = if region.is_rigid() { None } else { Some(method.bind(&region, job)?) };
+        let mut info = Info::default();
+        let mut warnings = region.warnings().to_vec();
+        let factors: Vec<&Factor> = method.iter().flat_map(|m| m.systems()).map(|s| s.factor()).collect();
+        for factor in &factors {
+            info.unknowns += factor.size();
+            info.nonzeros += factor.nonzeros();
+            info.bytes += factor.bytes();
+        }
+        if factors.iter().any(|factor| factor.is_regularized()) {
+            warnings.push(REGULARIZED.into());
+        }
+        info.seconds = begin.elapsed().as_secs_f64();
+        job.report(1.0, "ready");
+        Ok(Self { mesh, handles, distinct, region, method, info, warnings })
+    }
+
+    /// What binding made.
+    pub fn info(&self) -> Info {
+        self.info
     }
 
     /// The mesh.
@@ -249,17 +308,17 @@ impl Pose {
 
     /// Number of handles.
     pub fn handle_count(&self) -> usize {
-        self.region.handles().len()
+        self.handles.len()
     }
 
     /// Number of handle vertices, all handles together.
     pub fn handle_vertex_count(&self) -> usize {
-        self.region.handles().iter().map(|h| h.vertices.len()).sum()
+        self.handles.iter().map(|h| h.vertices.len()).sum()
     }
 
-    /// What is doubtful about the handles and the region.
+    /// What is doubtful about the mesh, the handles, the region and the system.
     pub fn warnings(&self) -> &[String] {
-        self.region.warnings()
+        &self.warnings
     }
 
     /// Poses by one affine matrix per handle, rest to posed, in the mesh's own units.
@@ -293,7 +352,7 @@ impl Pose {
             refuse("turns", "not finite", broken)?;
         }
         let rest = self.mesh.vertices();
-        let targets: Vec<Vec3> = (self.region.handles().iter().zip(transforms))
+        let targets: Vec<Vec3> = (self.handles.iter().zip(transforms))
             .flat_map(|(handle, m)| handle.vertices.iter().map(|&v| m.transform_point3(rest[v as usize])))
             .collect();
         let frame = self.mesh.frame();
@@ -315,8 +374,9 @@ impl Pose {
             linear: linear(m),
             offset: (m.transform_point3(frame.center) - frame.center) / frame.scale,
         });
-        let goal = self.region.goal(&self.mesh, &targets, motions.collect(), true);
-        self.pose(&targets, &goal, options, job)
+        let own = self.of_region(&targets);
+        let goal = self.region.goal(&self.mesh, &own, motions.collect(), true);
+        self.pose(&targets, &own, &goal, options, job)
     }
 
     /// Poses by one target per handle vertex, handles in order, in the mesh's own units.
@@ -331,15 +391,60 @@ impl Pose {
         expect_count("targets", "points", targets.len(), self.handle_vertex_count(), "handle vertices")?;
         let broken = targets.iter().enumerate().filter(|(_, p)| !p.is_finite()).map(|(i, _)| i);
         refuse("targets", "not finite", broken)?;
-        let mut motions = self.region.estimate_motions(&self.mesh, targets);
+        let own = self.of_region(targets);
+        self.expect_joined(targets, &own)?;
+        let mut motions = self.region.estimate_motions(&self.mesh, &own);
         let mut rotations: Vec<Vec3> = motions.iter().map(|m| m.rotation).collect();
         agree(&mut rotations, self.region.is_anchored());
         motions.iter_mut().zip(rotations).for_each(|(m, rotation)| m.rotation = rotation);
-        let goal = self.region.goal(&self.mesh, targets, motions, false);
-        self.pose(targets, &goal, options, job)
+        let goal = self.region.goal(&self.mesh, &own, motions, false);
+        self.pose(targets, &own, &goal, options, job)
     }
 
-    fn pose(&mut self, targets: &[Vec3], goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Posed> {
+    /// The targets of the region's handle vertices, from those of the handles as given.
+    fn of_region(&self, targets: &[Vec3]) -> Vec<Vec3> {
+        let given: Vec<u32> = self.handles.iter().flat_map(|h| &h.vertices).copied().collect();
+        let own = |&place: &usize| {
+            self.beside(given[place], self.mesh.representative(given[place]), targets[place])
+        };
+        self.distinct.iter().map(own).collect()
+    }
+
+    /// Where `to` goes when `from`, which it is welded to, goes to `target`.
+    fn beside(&self, from: u32, to: u32, target: Vec3) -> Vec3 {
+        let offset = self.mesh.vertices()[to as usize] - self.mesh.vertices()[from as usize];
+        if offset == Vec3::ZERO { target } else { target + offset }
+    }
+
+    /// Refuses targets that tear welded vertices apart.
+    fn expect_joined(&self, targets: &[Vec3], own: &[Vec3]) -> Result<()> {
+        let place: HashMap<u32, Vec3> = self
+            .region
+            .handles()
+            .iter()
+            .flat_map(|h| h.vertices.iter().copied())
+            .zip(own.iter().copied())
+            .collect();
+        let torn = self.handles.iter().flat_map(|h| &h.vertices).zip(targets).enumerate().filter(
+            |(_, (v, target))| {
+                let w = self.mesh.representative(**v);
+                let apart = self.beside(w, **v, place[&w]).distance(**target);
+                let seam = self.mesh.vertices()[**v as usize].distance(self.mesh.vertices()[w as usize]);
+                apart > TORN * self.mesh.frame().scale + 3.0 * seam
+            },
+        );
+        refuse("targets", "vertices that are welded together go apart", torn.map(|(i, _)| i))
+    }
+
+    /// `targets` are those of the handles as given, `own` those of the region's.
+    fn pose(
+        &mut self,
+        targets: &[Vec3],
+        own: &[Vec3],
+        goal: &Goal,
+        options: &SolveOptions,
+        job: &Job,
+    ) -> Result<Posed> {
         if options.tolerance.is_nan() || options.tolerance < 0.0 {
             return Err(Error::InvalidValue(Fault::new("tolerance", "must be 0 or more")));
         }
@@ -353,15 +458,31 @@ impl Pose {
             report.energy = solution.energy;
             report.converged = solution.converged;
             if !solution.converged {
+                let last = match solution.residual.is_finite() {
+                    true => {
+                        format!(", the last of which lowered the energy by {:.1e} of it", solution.residual)
+                    }
+                    false => String::new(),
+                };
                 report.warnings.push(format!(
-                    "not converged after {} iterations: raise max_iterations or tolerance",
+                    "not converged after {} iterations{last}: raise max_iterations or tolerance",
                     solution.iterations
                 ));
             }
         }
+        let mesh = &self.mesh;
         let handled = self.region.handles().iter().flat_map(|h| &h.vertices);
-        for (&v, &target) in handled.zip(targets).filter(|(v, _)| self.region.is_given(**v)) {
+        for (&v, &target) in handled.zip(own).filter(|(v, _)| self.region.is_given(**v)) {
             vertices[v as usize] = target;
+        }
+        for (v, w) in mesh.welds() {
+            vertices[v as usize] = self.beside(w, v, vertices[w as usize]);
+        }
+        let handled = self.handles.iter().flat_map(|h| &h.vertices);
+        for (&v, &target) in handled.zip(targets) {
+            if self.region.is_given(mesh.representative(v)) {
+                vertices[v as usize] = target;
+            }
         }
         if let Some(v) = vertices.iter().position(|p| !p.is_finite()) {
             return Err(Error::SolveFailed(format!("vertex {v} overflows the range of numbers")));
@@ -369,6 +490,31 @@ impl Pose {
         report.seconds = begin.elapsed().as_secs_f64();
         Ok(Posed { vertices, report })
     }
+}
+
+/// The handles on the vertices that theirs are welded to, each named once, and which of all theirs these are.
+fn weld(mesh: &Mesh, handles: &[Handle]) -> (Vec<usize>, Vec<Handle>) {
+    let (mut distinct, mut start) = (Vec::new(), 0);
+    let mut welded = handles.to_vec();
+    for handle in &mut welded {
+        let mut first = HashMap::new();
+        // A vertex given twice is a mistake, which is not hidden here.
+        let stays = |&v: &u32| *first.entry(mesh.representative(v)).or_insert(v) == v;
+        let stays: Vec<bool> = handle.vertices.iter().map(stays).collect();
+        distinct.extend((start..).zip(&stays).filter(|(_, stays)| **stays).map(|(place, _)| place));
+        start += stays.len();
+        let kept = |i: usize| stays.get(i).is_none_or(|stays| *stays);
+        let mut places = 0..;
+        handle.vertices.retain(|_| places.next().is_some_and(kept));
+        handle.vertices.iter_mut().for_each(|v| *v = mesh.representative(*v));
+        if let Some(membership) = &mut handle.membership
+            && membership.len() == stays.len()
+        {
+            let mut places = 0..;
+            membership.retain(|_| places.next().is_some_and(kept));
+        }
+    }
+    (distinct, welded)
 }
 
 /// Splits a rotation that has done about `turns` into a rotation vector and whole turns before it. Near

@@ -74,7 +74,7 @@ impl Multiresolution {
     ///
     /// [`Error::InvalidValue`] for a base of this same method and for a smoothing that is negative or not
     /// finite; [`Error::SolveFailed`] where a system cannot be factored.
-    pub fn new(region: &Region, options: &Options) -> Result<Self> {
+    pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         if matches!(*options.base, MethodOptions::Multiresolution(_)) {
             return Err(Error::InvalidValue(Fault::new("base", "must be another method")));
         }
@@ -82,12 +82,12 @@ impl Multiresolution {
             return Err(Error::InvalidValue(Fault::new("smoothing", "must be 0 or more")));
         }
         let mesh = region.mesh();
-        let offsets = details(region, options.smoothing / TAU)?;
+        let offsets = details(region, options.smoothing / TAU, job)?;
         let smooth = mesh.rest().iter().zip(&offsets).map(|(&v, &d)| v - d).collect();
         let base = region.reshaped(smooth);
-        let method = options.base.bind(&base)?;
+        let method = options.base.bind(&base, job)?;
         let details = match options.details {
-            Details::Gradients => Replace::Gradients(Stitcher::new(mesh, region.constraints().clone())?),
+            Details::Gradients => Replace::Gradients(Stitcher::new(mesh, region.constraints().clone(), job)?),
             Details::Offsets => Replace::Offsets(offsets),
         };
         Ok(Self { base, method, details })
@@ -95,7 +95,7 @@ impl Multiresolution {
 }
 
 /// `v - b`: the solution of `(M + l^4 L M^-1 L) d = l^4 L M^-1 L v`, zero in handles and at the border.
-fn details(region: &Region, length: f64) -> Result<Vec<Vec3>> {
+fn details(region: &Region, length: f64, job: &Job) -> Result<Vec<Vec3>> {
     let mesh = region.mesh();
     let bending = polyharmonic(mesh, 1)?;
     let mass = (0u32..).zip(inverse_mass(mesh)).map(|(v, inverse)| (v, v, 1.0 / inverse));
@@ -103,7 +103,7 @@ fn details(region: &Region, length: f64) -> Result<Vec<Vec3>> {
     let stiffness = length.powi(4);
     let held = |v: usize| region.handle_of(v).is_some() || region.constraints().slot(v as u32).is_none();
     let constraints = Constraints::hard(mesh.rest().len(), held);
-    let system = ConstrainedSystem::new(&mass.combine(1.0, &bending, stiffness), constraints)?;
+    let system = ConstrainedSystem::new(&mass.combine(1.0, &bending, stiffness), constraints, job)?;
     let rest = Columns::from_vectors(mesh.rest());
     let mut rhs = Columns::zeros(rest.rows(), 3);
     for axis in 0..3 {
@@ -116,6 +116,14 @@ fn details(region: &Region, length: f64) -> Result<Vec<Vec3>> {
 }
 
 impl Method for Multiresolution {
+    fn systems(&self) -> Vec<&ConstrainedSystem> {
+        let mut systems = self.method.systems();
+        if let Replace::Gradients(stitcher) = &self.details {
+            systems.push(stitcher.system());
+        }
+        systems
+    }
+
     fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution> {
         // Handles have no details: the goal of the surface is that of the base.
         let mut solution = self.method.solve(&self.base, goal, options, job)?;

@@ -48,9 +48,12 @@ impl Poisson {
     ///
     /// [`crate::Error::InvalidValue`] for a border that is not 0, 1 or 2, [`crate::Error::SolveFailed`]
     /// where a system cannot be factored.
-    pub fn new(region: &Region, options: &Options) -> Result<Self> {
-        let smooth = if options.border == 0 { None } else { Some(smooth_system(region, options.border)?) };
-        let stitcher = Stitcher::new(region.mesh(), region.constraints().clone())?;
+    pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
+        let smooth = match options.border {
+            0 => None,
+            border => Some(smooth_system(region, border, job)?),
+        };
+        let stitcher = Stitcher::new(region.mesh(), region.constraints().clone(), job)?;
         Ok(Self { smooth, stitcher })
     }
 
@@ -87,6 +90,10 @@ fn symmetric(diagonal: Vec3, mixed: Vec3) -> Mat3 {
 }
 
 impl Method for Poisson {
+    fn systems(&self) -> Vec<&ConstrainedSystem> {
+        self.smooth.iter().chain([self.stitcher.system()]).collect()
+    }
+
     fn solve(&mut self, region: &Region, goal: &Goal, _: &SolveOptions, job: &Job) -> Result<Solution> {
         job.check()?;
         let mut displacements = goal.displacements.clone();

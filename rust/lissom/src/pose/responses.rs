@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::{Goal, Method, Motion, Region, Solution, SolveOptions};
 use crate::linear::{Columns, ConstrainedSystem};
 use crate::operators::gradient::outer;
-use crate::{Job, Mat3, Result, Vec3};
+use crate::{Job, Mat3, Result, Vec3, memory};
 
 /// Most handles whose responses are kept; beyond, a solve is the lesser cost.
 const MOST_HANDLES: usize = 16;
@@ -28,6 +28,9 @@ pub trait Response: Send + std::fmt::Debug {
     fn displacements_of(&self, region: &Region, goals: &[Goal]) -> Vec<Vec<Vec3>> {
         goals.iter().map(|goal| self.displacements(region, goal)).collect()
     }
+
+    /// What it factored.
+    fn systems(&self) -> Vec<&ConstrainedSystem>;
 
     /// Whether a motion along one axis moves anything along another.
     fn axes_couple(&self) -> bool {
@@ -72,6 +75,8 @@ impl<M: Response> Linear<M> {
         let couple = self.method.axes_couple();
         let entries = handles * if couple { 12 } else { 4 };
         let vertices = region.mesh().vertices().len();
+        let bytes = if couple { size_of::<Vec3>() } else { size_of::<f64>() };
+        memory::check("the responses", vertices as u128 * entries as u128 * bytes as u128)?;
         let mut vector = vec![Vec3::ZERO; if couple { vertices * entries } else { 0 }];
         let mut scalar = vec![0.0; if couple { 0 } else { vertices * entries }];
         for handle in 0..handles {
@@ -149,6 +154,10 @@ impl Responses {
 }
 
 impl<M: Response> Method for Linear<M> {
+    fn systems(&self) -> Vec<&ConstrainedSystem> {
+        self.method.systems()
+    }
+
     fn solve(&mut self, region: &Region, goal: &Goal, _: &SolveOptions, job: &Job) -> Result<Solution> {
         job.check()?;
         let displacements = if goal.affine && goal.handles.len() <= MOST_HANDLES {

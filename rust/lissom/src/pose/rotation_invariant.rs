@@ -94,23 +94,23 @@ pub struct RotationInvariant {
 /// # Errors
 ///
 /// [`crate::Error::SolveFailed`] where a system cannot be factored.
-pub fn bind(region: &Region, options: &Options) -> Result<Box<dyn Method>> {
+pub fn bind(region: &Region, options: &Options, job: &Job) -> Result<Box<dyn Method>> {
     let linear = options.interpolation == Interpolation::Matrix && !options.project;
-    let method = RotationInvariant::new(region, options)?;
+    let method = RotationInvariant::new(region, options, job)?;
     Ok(if linear { Box::new(Linear::new(method)) } else { Box::new(method) })
 }
 
 impl RotationInvariant {
-    fn new(region: &Region, options: &Options) -> Result<Self> {
+    fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let (mesh, constraints) = (region.mesh(), region.constraints());
         let weights = edge_weights(mesh, options.weights);
-        let positions = ConstrainedSystem::new(&laplacian(mesh, &weights), constraints.clone())?;
+        let positions = ConstrainedSystem::new(&laplacian(mesh, &weights), constraints.clone(), job)?;
         let frames = match options.frames {
             Frames::Uniform => None,
             Frames::Principal => {
                 let weights = principal_weights(mesh, &weights);
                 let (matrix, symbolic) = (laplacian(mesh, &weights), positions.symbolic());
-                Some(ConstrainedSystem::with_symbolic(&matrix, constraints.clone(), Some(symbolic))?)
+                Some(ConstrainedSystem::with_symbolic(&matrix, constraints.clone(), Some(symbolic), job)?)
             }
         };
         Ok(Self { options: options.clone(), weights, positions, frames })
@@ -141,6 +141,10 @@ impl RotationInvariant {
 }
 
 impl Response for RotationInvariant {
+    fn systems(&self) -> Vec<&ConstrainedSystem> {
+        self.frames.iter().chain([&self.positions]).collect()
+    }
+
     fn displacements(&self, region: &Region, goal: &Goal) -> Vec<Vec3> {
         let rotations = self.rotations(region, goal);
         let (mesh, rest) = (region.mesh(), region.mesh().rest());
@@ -159,6 +163,10 @@ impl Response for RotationInvariant {
 }
 
 impl Method for RotationInvariant {
+    fn systems(&self) -> Vec<&ConstrainedSystem> {
+        Response::systems(self)
+    }
+
     fn solve(&mut self, region: &Region, goal: &Goal, _: &SolveOptions, job: &Job) -> Result<Solution> {
         job.check()?;
         Ok(Solution::direct(self.displacements(region, goal)))

@@ -19,7 +19,7 @@ use super::responses::{Response, axis_by_axis};
 use super::{Goal, Region};
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
-use crate::{Error, Fault, Result, Vec3};
+use crate::{Error, Fault, Job, Result, Vec3};
 
 /// Options of the thin shell. Stiffnesses are meant in unit coordinates (box diagonal 1), where
 /// `sqrt(k_b / k_s)` is the length over which bending gives way to stretching.
@@ -55,7 +55,7 @@ impl ThinShell {
     ///
     /// [`Error::InvalidValue`] for negative stiffnesses, two zeros and another border;
     /// [`Error::SolveFailed`] where the matrix cannot be factored.
-    pub fn new(region: &Region, options: &Options) -> Result<Self> {
+    pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let (k_s, k_b) = (options.stretching, options.bending);
         for (name, stiffness) in [("k_s", k_s), ("k_b", k_b)] {
             if !(stiffness >= 0.0 && stiffness.is_finite()) {
@@ -76,7 +76,7 @@ impl ThinShell {
             0 => laplacian.combine(k_s, &laplacian.sandwich(&inverse), k_b),
             border => polyharmonic(mesh, border - 1)?.combine(k_s, &polyharmonic(mesh, border)?, k_b),
         };
-        let system = ConstrainedSystem::new(&matrix, region.constraints().clone())?;
+        let system = ConstrainedSystem::new(&matrix, region.constraints().clone(), job)?;
         Ok(Self { system, laplacian, inverse, options: options.clone() })
     }
 
@@ -93,6 +93,10 @@ impl ThinShell {
 }
 
 impl Response for ThinShell {
+    fn systems(&self) -> Vec<&ConstrainedSystem> {
+        vec![&self.system]
+    }
+
     fn displacements(&self, region: &Region, goal: &Goal) -> Vec<Vec3> {
         self.displacements_of(region, std::slice::from_ref(goal)).swap_remove(0)
     }

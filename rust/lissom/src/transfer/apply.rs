@@ -14,9 +14,9 @@ use rayon::prelude::*;
 
 use super::choose::{Chooser, SourceKey};
 use super::place::Placer;
-use crate::linear::{Columns, Constraints, SymmetricMatrix};
+use crate::linear::{Columns, Constraints, REGULARIZED, SymmetricMatrix};
 use crate::stitch::Stitcher;
-use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
+use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, memory};
 
 /// Keys solved together, between two looks at the job.
 const KEYS_AT_ONCE: usize = 8;
@@ -92,7 +92,8 @@ impl Transfer {
         for members in target.components().members() {
             held[members[0] as usize] = true;
         }
-        let stitcher = Stitcher::with_matrix(&target, &matrix, Constraints::hard(held.len(), |v| held[v]))?;
+        let stitcher =
+            Stitcher::with_matrix(&target, &matrix, Constraints::hard(held.len(), |v| held[v]), job)?;
         job.check()?;
         let placer = Placer::new(&source, &target, &matrix, &chooser, options.unmatched);
         let policy = match options.unmatched {
@@ -101,7 +102,8 @@ impl Transfer {
         };
         let problem = format!("components of the target without a match; {policy}");
         let fault = Fault::at("pairs", problem, placer.unmatched());
-        let warnings = fault.map(|fault| fault.to_string()).into_iter().collect();
+        let regularized = stitcher.system().factor().is_regularized().then(|| REGULARIZED.into());
+        let warnings = fault.map(|fault| fault.to_string()).into_iter().chain(regularized).collect();
         job.report(1.0, "prepare");
         Ok(Self { source, target, chooser, placer, stitcher, weights, warnings })
     }
@@ -130,6 +132,10 @@ impl Transfer {
     /// finite, [`Error::SolveFailed`] where the result is out of range, [`Error::Cancelled`].
     pub fn apply(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<Vec<Vec<Vec3>>> {
         self.check(poses)?;
+        // Once here, and once more for whoever takes them over.
+        let bytes =
+            2 * size_of::<Vec3>() as u128 * poses.len() as u128 * self.target.vertices().len() as u128;
+        memory::check("the keys", bytes)?;
         let mut results = Vec::with_capacity(poses.len());
         for block in poses.chunks(KEYS_AT_ONCE) {
             job.report(results.len() as f64 / poses.len() as f64, "transfer");
@@ -174,6 +180,7 @@ impl Transfer {
     /// From displacements in unit coordinates, up to a translation, to positions.
     fn finish(&self, key: &SourceKey, mut displacements: Vec<Vec3>) -> Result<Vec<Vec3>> {
         self.placer.place(&self.target, &self.chooser, key, &mut displacements);
+        self.target.follow(&mut displacements);
         let scale = self.target.frame().scale;
         let positions: Vec<Vec3> =
             self.target.vertices().iter().zip(displacements).map(|(&v, d)| v + d * scale).collect();

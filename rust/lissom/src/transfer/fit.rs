@@ -166,6 +166,10 @@ pub fn fit_correspondence(
     let start = Instant::now();
     let mut warnings = Vec::new();
     options.check()?;
+    let markers = &markers
+        .iter()
+        .map(|&[s, t]| [source.representative(s), target.representative(t)])
+        .collect::<Vec<_>>();
     markers::check(source, target, markers, &mut warnings)?;
     job.report(0.0, "fit");
     job.check()?;
@@ -389,7 +393,8 @@ fn conclude(
         report.warnings.push("no triangle of the source has a match: the fit has failed".into());
     }
     let given = |&[s, t]: &[u32; 2]| [source.triangle_ids()[s as usize], target.triangle_ids()[t as usize]];
-    let fitted_vertices: Vec<Vec3> = x.iter().map(|&p| frame.from_unit(p)).collect();
+    let mut fitted_vertices: Vec<Vec3> = x.iter().map(|&p| frame.from_unit(p)).collect();
+    source.follow(&mut fitted_vertices);
     if fitted_vertices.iter().any(|p| !p.is_finite()) {
         return Err(Error::SolveFailed("the fit left the range of floating point numbers".into()));
     }
