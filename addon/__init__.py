@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import live
+from . import live, rebind
 from .operators import (
     inbetween_bake,
     pose_apply,
@@ -42,6 +42,7 @@ def register():
 
 
 def unregister():
+    rebind.unregister()
     live.unregister()
     for module in reversed(_PROPERTIES):
         module.unregister()

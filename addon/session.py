@@ -5,6 +5,7 @@ loading a file leave no dangling reference. All of it can be lost and made again
 """
 
 poses = {}  # session_uid of a mesh object -> core.pose.BoundPose
+rebinding = {}  # name of a mesh object -> core.work.Work that binds it anew, None before it starts
 status = {}  # name of a mesh object -> (icon, text) about its live pose
 fit = None  # operators.transfer_fit.Memory: the last fit
 work = None  # core.work.Work that a modal operator runs now; there is at most one
@@ -16,5 +17,6 @@ def clear():
     """Forgets everything that belongs to a file."""
     global fit
     poses.clear()
+    rebinding.clear()
     status.clear()
     fit = None

@@ -5,6 +5,10 @@
     DISPLAY=:9 blender --factory-startup -p 0 0 1600 1000 --python tools/panel_picture.py &
     DISPLAY=:9 import -window root docs/pictures/panel.png      once it prints "ready"
 
+Click on the header of Pose before taking it, to fold that. With ``-- pose`` after the script's name it sets
+the scene of docs/pictures/panel_pose.png, a bound head; click on Options there, and cut out the sidebar
+with ``-crop 985x670+330+62``.
+
 ImageMagick's import takes the picture: Blender's own screenshot is black on a display without graphics card.
 """
 
@@ -17,10 +21,11 @@ sys.path[:0] = [str(ROOT), str(ROOT / "demo")]
 import addon_utils  # noqa: E402
 import bpy  # noqa: E402
 import face as ict  # noqa: E402
+import pose  # noqa: E402
 import scene  # noqa: E402
 import source  # noqa: E402
 import suzanne  # noqa: E402
-from mathutils import Euler  # noqa: E402
+from mathutils import Euler, Matrix  # noqa: E402
 
 MIX = source.MIXES["surprise"]
 SETTLE = 2.0  # seconds for Blender to draw
@@ -28,8 +33,6 @@ SETTLE = 2.0  # seconds for Blender to draw
 
 def transferred():
     """The face and Suzanne side by side, both smiling, after Fit and Transfer with the shipped markers."""
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
     skin = scene.material("Given", (0.44, 0.38, 0.33), 0.55)
     made = scene.material("Made by Lissom", (0.07, 0.27, 0.31), 0.5)
     into = bpy.context.scene.collection
@@ -44,6 +47,23 @@ def transferred():
         for name, value in MIX.items():
             obj.data.shape_keys.key_blocks[name].value = value
     bpy.context.view_layer.objects.active = monkey
+
+
+def posed():
+    """The head turned by its Empty, the chest held."""
+    face = ict.load()
+    made = scene.material("Made by Lissom", (0.07, 0.27, 0.31), 0.5)
+    bust = scene.face_object("Bust", face, face.neutral, made, bpy.context.scene.collection, (0, 0, 0))
+    groups = pose.regions(face)
+    for name in ("chest", "head"):
+        bust.vertex_groups.new(name=name).add(groups[name].tolist(), 1.0, "REPLACE")
+        scene.run(bpy.ops.lissom.pose_handle_add, object=bust.name, vertex_group=name)
+    scene.run(bpy.ops.lissom.pose_bind, object=bust.name, method="poisson", border=1)
+    head = bust.lissom_pose.handles["head"].empty
+    pivot = Matrix.Translation(pose.SPINE)
+    turn = Euler((0.1, 0.3, 0.7)).to_matrix().to_4x4()
+    head.matrix_world = bust.matrix_world @ pivot @ turn @ pivot.inverted() @ head.matrix_local
+    bpy.context.view_layer.objects.active = bust
 
 
 def arrange():
@@ -68,7 +88,9 @@ def arrange():
 def stage():
     """All steps; yields the seconds to wait after each."""
     yield SETTLE
-    transferred()
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    posed() if sys.argv[-1] == "pose" else transferred()
     yield from arrange()
     print("ready", flush=True)
 

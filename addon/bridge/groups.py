@@ -7,16 +7,29 @@ from ..core.refused import Refused
 from .meshes import selected_vertices
 
 
-def members(obj, names):
-    """Sorted vertex indices with a weight above 0, by name; names without a group are left out."""
+def weighted_members(obj, names):
+    """Sorted vertex indices with a weight above 0, and these weights, by name: {name: ((k,), (k,))}.
+
+    Names without a group are left out.
+    """
     wanted = {obj.vertex_groups[name].index: name for name in names if name in obj.vertex_groups}
-    found = {name: [] for name in wanted.values()}
+    found = {name: ([], []) for name in wanted.values()}
     for vertex in obj.data.vertices:
         for element in vertex.groups:
             name = wanted.get(element.group)
             if name is not None and element.weight > 0.0:
-                found[name].append(vertex.index)
-    return {name: np.array(indices, dtype=np.int64) for name, indices in found.items()}
+                indices, weights = found[name]
+                indices.append(vertex.index)
+                weights.append(element.weight)
+    return {
+        name: (np.array(indices, dtype=np.int64), np.array(weights, dtype=np.float64))
+        for name, (indices, weights) in found.items()
+    }
+
+
+def members(obj, names):
+    """The vertex indices of ``weighted_members`` alone."""
+    return {name: indices for name, (indices, _) in weighted_members(obj, names).items()}
 
 
 def from_selection(obj, name):

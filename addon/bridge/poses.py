@@ -4,33 +4,55 @@ import bpy
 import numpy as np
 
 from .. import session
+from ..core import pose as core_pose
 from ..core import space
-from ..core.pose import BoundPose, check_groups
+from ..core.pose import check_groups
+from ..core.pose_options import Asked, options_of
 from ..core.refused import Refused, first
 from . import empties, groups, meshes, shape_keys
 
 
-def build(obj, linear, method):
-    """A BoundPose of the object's rest shape; handles and region are read from its vertex groups."""
+def bind_work(obj, linear, asked):
+    """Work whose result is a BoundPose of the object's rest shape, by the vertex groups of its settings."""
     settings = obj.lissom_pose
     names = [handle.name for handle in settings.handles]
-    found = groups.members(obj, [*names, settings.roi])
-    check_groups(found, names, settings.roi)
-    return BoundPose(
+    found = groups.weighted_members(obj, [*names, settings.roi])
+    members = {name: indices for name, (indices, _) in found.items()}
+    check_groups(members, names, settings.roi)
+    return core_pose.bind_work(
         space.into(linear, meshes.rest_positions(obj.data)),
         space.outward(linear, meshes.triangles(obj.data)),
         meshes.corners(obj.data),
-        [found[name] for name in names],
-        found[settings.roi] if settings.roi else None,
-        method,
+        [members[name] for name in names],
+        [found[name][1] for name in names],
+        members.get(settings.roi),
+        asked,
     )
+
+
+def asked(settings):
+    """Method and options as the settings of an object say."""
+    options = settings.options
+
+    def value(owner, name):
+        return getattr(getattr(options, owner), name)
+
+    base = options.multiresolution.base
+    return Asked.of(settings.method, base, settings.use_weights, settings.weld, value)
+
+
+def keep(settings, asked):
+    """Writes method and options into the settings of an object, from which the file restores the pose."""
+    settings.method, settings.use_weights, settings.weld = asked.method, asked.use_weights, asked.weld
+    for owner, name in options_of(asked.method, asked.options.get("base")):
+        setattr(getattr(settings.options, owner), name, asked.options[name])
 
 
 def current(obj):
     """The bound pose of the object: the one in memory while it holds, else made anew.
 
-    That happens after loading a file, or where rest shape or method were changed. New faces need a new
-    Bind (row 26).
+    That happens after loading a file, or where rest shape, method or options were changed. New faces need a
+    new Bind (row 26).
     """
     settings = obj.lissom_pose
     if not settings.bound:
@@ -38,17 +60,24 @@ def current(obj):
     reason = foreign_handles(obj)
     if reason:
         raise Refused(reason)
+    if obj.name in session.rebinding:
+        raise Refused(f"'{obj.name}' is still being bound anew: wait a moment")
     linear = linear_part(obj)
     known = session.poses.get(obj.session_uid)
     if known is not None:
         rest = space.into(linear, meshes.rest_positions(obj.data))
-        if known.fits(rest, meshes.corners(obj.data), settings.method):
+        if known.fits(rest, meshes.corners(obj.data), asked(settings)):
             return known
-    if meshes.signature(obj.data) != settings.topology:
-        raise Refused(f"The mesh of '{obj.name}' was remodelled since Bind: press Unbind, then Bind")
-    made = session.poses[obj.session_uid] = build(obj, linear, settings.method)
+    made = session.poses[obj.session_uid] = bind_again(obj).wait()
     made.forget()
     return made
+
+
+def bind_again(obj):
+    """Work whose result is the BoundPose of an object that is bound, by its settings of now (row 26)."""
+    if meshes.signature(obj.data) != obj.lissom_pose.topology:
+        raise Refused(f"The mesh of '{obj.name}' was remodelled since Bind: press Unbind, then Bind")
+    return bind_work(obj, linear_part(obj), asked(obj.lissom_pose))
 
 
 def linear_part(obj):

@@ -43,22 +43,39 @@ def check_groups(groups, handles, roi):
                 )
 
 
+def bind_work(vertices, triangles, corners, handles, weights, roi, asked):
+    """Work whose result is the BoundPose of a mesh.
+
+    ``vertices`` (n, 3) in solve space, ``corners`` (c,) the vertices of the faces in turn; ``handles`` and
+    ``weights`` are lists of arrays (k,), ``roi`` one of indices or None, ``asked`` a pose_options.Asked.
+    """
+
+    def steps():
+        pose = yield lissom.start_pose(
+            lissom.Mesh(vertices, triangles, weld=0.0 if asked.weld else None),
+            handles,
+            roi=roi,
+            method=asked.method,
+            handle_weights=weights if asked.use_weights else None,
+            **asked.options,
+        )
+        return BoundPose(pose, vertices, corners, len(handles), asked)
+
+    return Work(steps())
+
+
 class BoundPose:
     """The native pose of one bound mesh, with what it was made from, to tell whether it still holds."""
 
-    def __init__(self, vertices, triangles, corners, handles, roi, method):
-        """``vertices`` (n, 3) in solve space, ``corners`` (c,) the vertices of the faces in turn.
-
-        ``handles`` is a list of vertex index arrays, ``roi`` one such array or None.
-        """
+    def __init__(self, pose, vertices, corners, handles, asked):
+        """``pose`` is a lissom.Pose of so many ``handles``; the rest as ``bind_work`` has it."""
+        self.pose = pose
         self.vertices = vertices
         self.corners = corners
-        self.method = method
-        mesh = lissom.Mesh(vertices, triangles)
-        self.pose = lissom.Pose(mesh, handles, roi=roi, method=method)
-        self.warnings = [*mesh.warnings, *self.pose.warnings]
+        self.asked = asked
+        self.warnings = pose.warnings
         self.extent = np.linalg.norm(np.ptp(vertices, axis=0))
-        self._handles = len(handles)
+        self._handles = handles
         self._seconds = None  # of one iteration, in the last solve
         self.put_to_rest()
 
@@ -73,10 +90,10 @@ class BoundPose:
         self._transforms = None
         self._warm = False
 
-    def fits(self, vertices, corners, method):
-        """True while mesh and method are the ones this pose was made for."""
+    def fits(self, vertices, corners, asked):
+        """True while mesh, method and options are the ones this pose was made for."""
         return (
-            method == self.method
+            asked == self.asked
             and np.array_equal(corners, self.corners)
             and np.array_equal(vertices, self.vertices)
         )

@@ -12,6 +12,8 @@ from .refused import Refused
 # value the way back would amplify rounding beyond any use.
 SINGULAR = 1e-6
 
+LARGEST = float(np.finfo(np.float32).max)
+
 
 def linear_part(matrix_world, name):
     """The 3x3 linear part of a 4x4 object matrix; refused where it cannot be inverted (row 36)."""
@@ -41,8 +43,14 @@ def outward(linear, triangles):
 
 
 def back(linear, positions):
-    """Solve space (..., 3) to object coordinates."""
-    return positions @ np.linalg.inv(linear).T
+    """Solve space (..., 3) to object coordinates; refused where Blender cannot hold them (row 4)."""
+    positions = positions @ np.linalg.inv(linear).T
+    if positions.size and np.abs(positions).max() > LARGEST:
+        raise Refused(
+            f"The result reaches beyond the largest coordinate that Blender can hold, {LARGEST:.1e}: "
+            "scale the mesh down first"
+        )
+    return positions
 
 
 def handle_transforms(linear, rest, posed):

@@ -34,7 +34,8 @@ class Work:
     @property
     def progress(self):
         """(fraction in [0, 1], stage) of the job that runs now."""
-        return self._job.progress if self._job else (1.0, "done")
+        fraction, stage = self._job.progress if self._job else (1.0, "done")
+        return fraction, stage or "starting"
 
     def poll(self):
         """Goes on if the running job is done; True once all is finished. Raises what the job raised."""

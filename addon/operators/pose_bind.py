@@ -3,11 +3,13 @@
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
-from .. import session
+from .. import rebind, session
 from ..bridge import checks, empties, meshes, poses, shape_keys
 from ..core import names, space
-from ..core.refused import Refused
-from ..properties.pose import METHOD_ITEMS
+from ..core.pose_options import Asked, by_name, options_of
+from ..core.refused import Refused, first
+from ..panels.common import draw_options, split_column
+from ..properties.pose import METHOD_ITEMS, option_property, use_weights_property, weld_property
 from .job import JobOperator, allowed, answering, shown_object, writable_mesh
 from .pose_handles import OBJECT
 
@@ -22,7 +24,37 @@ MAX_ITERATIONS = {
 }
 
 
-class LISSOM_OT_pose_bind(bpy.types.Operator):
+class _Options:
+    """Mixin: every option of every pose method as a property, by the name that lissom.Pose gives it."""
+
+    __annotations__ = {
+        name: option_property(option, options={"SKIP_SAVE"}) for name, option in by_name().items()
+    }
+
+    def asked(self):
+        """The options of the chosen method; what was not given takes the method's own default."""
+        wanted = options_of(self.method, self.base)
+        names = [name for _, name in wanted]
+        given = [name for name in by_name() if self.properties.is_property_set(name)]
+        foreign = [name for name in given if name not in names]
+        if foreign and not self.options.is_repeat:  # the redo panel may change the method
+            raise Refused(f"'{self.method}' has no option {first(foreign)}; it has {', '.join(names)}")
+        for (_, name), option in wanted.items():
+            if name not in given:
+                setattr(self, name, option.default)
+        return Asked.of(
+            self.method, self.base, self.use_weights, self.weld, lambda _, name: getattr(self, name)
+        )
+
+    def draw(self, context):
+        column = split_column(self.layout)
+        column.prop(self, "method")
+        draw_options(column, self.method, self.base, lambda _: self)
+        column.prop(self, "use_weights")
+        column.prop(self, "weld")
+
+
+class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
     """Bind the mesh to its handles: from here on it follows their Empties, in a shape key of its own"""
 
     bl_idname = "lissom.pose_bind"
@@ -36,6 +68,8 @@ class LISSOM_OT_pose_bind(bpy.types.Operator):
         items=METHOD_ITEMS,
         default="arap",
     )
+    use_weights: use_weights_property(options={"SKIP_SAVE"})
+    weld: weld_property(options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):
@@ -44,33 +78,40 @@ class LISSOM_OT_pose_bind(bpy.types.Operator):
             return allowed(cls, "Add a handle first")
         return writable_mesh(cls, context, bound=False)
 
-    @answering
-    def execute(self, context):
+    def begin(self, context):
         context.view_layer.update()
         obj = checks.mesh_object(self.object, context)
         checks.require_writable(obj)
-        settings = obj.lissom_pose
-        if settings.bound:
+        if obj.lissom_pose.bound:
             raise Refused(f"'{obj.name}' is bound already: press Unbind first")
         linear = space.linear_part(obj.matrix_world, obj.name)
-        rests = []
+        self._rests = {}  # by the handle's name
         for handle in poses.alive_handles(obj):
             space.linear_part(handle.empty.matrix_world, handle.empty.name)
-            rests.append(empties.matrix_in(obj, handle.empty).ravel())
-        bound = poses.build(obj, linear, self.method)
+            self._rests[handle.name] = empties.matrix_in(obj, handle.empty).ravel()
+        self._mesh = meshes.Snapshot.of(obj, linear)
+        return poses.bind_work(obj, linear, self.asked())
 
-        warnings = [*bound.warnings, checks.shared_data(obj)]
+    def finish(self, context, result):
+        obj = self._mesh.find()
+        checks.require_writable(obj)
+        settings = obj.lissom_pose
+        if settings.handles.keys() != list(self._rests):
+            raise Refused(
+                f"The handles of '{obj.name}' were changed meanwhile: nothing was written, run again"
+            )
+        warnings = [*result.warnings, checks.shared_data(obj)]
         settings.made_basis = obj.data.shape_keys is None
         basis = shape_keys.ensure_basis(obj)
         settings.preview = names.unused(PREVIEW, obj.data.shape_keys.key_blocks.keys())
         shape_keys.write(obj, settings.preview, shape_keys.shape(basis), shape_keys.Settings(value=1.0))
-        for handle, rest in zip(settings.handles, rests, strict=True):
-            handle.rest = rest
-        settings.topology = meshes.signature(obj.data)
-        settings.linear = linear.ravel()
-        settings.method = self.method
+        for handle in settings.handles:
+            handle.rest = self._rests[handle.name]
+        settings.topology = self._mesh.topology
+        settings.linear = self._mesh.linear.ravel()
+        poses.keep(settings, result.asked)
         settings.bound = True
-        session.poses[obj.session_uid] = bound
+        session.poses[obj.session_uid] = result
         session.status[obj.name] = ("CHECKMARK", "Bound: move an Empty")
         for warning in filter(None, warnings):
             self.report({"WARNING"}, warning)
@@ -152,6 +193,7 @@ class LISSOM_OT_pose_unbind(bpy.types.Operator):
         settings.bound = False
         poses.remove_preview(obj)
         settings.property_unset("preview")
+        rebind.drop(obj)
         session.poses.pop(obj.session_uid, None)
         session.status.pop(obj.name, None)
 

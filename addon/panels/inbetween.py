@@ -24,15 +24,10 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
         keys = obj.data.shape_keys
         column = split_column(layout)
         if keys:
-            column.prop_search(
-                settings,
-                "start",
-                keys,
-                "key_blocks",
-                text="From" if settings.start else "From (Basis)",
-                icon="SHAPEKEY_DATA",
+            column.prop(
+                settings, "start", text="From" if settings.start else "From (Basis)", icon="SHAPEKEY_DATA"
             )
-            column.prop_search(settings, "end", keys, "key_blocks", text="To", icon="SHAPEKEY_DATA")
+            column.prop(settings, "end", icon="SHAPEKEY_DATA")
         else:
             draw_lines(column, "INFO", "This mesh has no shape keys yet")
         column.prop(settings, "count")

@@ -4,7 +4,10 @@ import bpy
 
 from .. import session
 from ..bridge import checks, empties, poses
-from .common import Sidebar, draw_lines, draw_progress, split_column
+from ..core.pose_options import METHODS
+from .common import Sidebar, draw_lines, draw_options, draw_progress, split_column
+
+METHOD_LINES = {name: line for name, _, line in METHODS}
 
 
 class LISSOM_UL_handles(bpy.types.UIList):
@@ -76,7 +79,12 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
             row = layout.row()
             row.scale_y = 1.4
             bind = row.operator("lissom.pose_bind", icon="LINKED")
-            bind.object, bind.method = obj.name, settings.method
+            asked = poses.asked(settings)
+            given = {"object": obj.name, **asked._asdict(), **asked.options}
+            del given["options"]
+            for name, value in given.items():
+                setattr(bind, name, value)
+            draw_progress(layout, "pose")
             reason = checks.refusal(obj)
             if reason and obj.mode != "EDIT":
                 draw_lines(layout, "INFO", reason)
@@ -109,12 +117,25 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         remove.object = obj.name
         if 0 <= active < len(settings.handles):
             remove.handle = settings.handles[active].name
+        row = column.row()
+        row.enabled = not settings.bound
+        row.prop(settings, "use_weights")
 
     def _draw_method(self, layout, settings):
         column = split_column(layout)
         column.prop(settings, "method")
+        draw_lines(column, "NONE", METHOD_LINES[settings.method])
+        header, body = layout.panel("LISSOM_pose_options", default_closed=True)
+        header.label(text="Options")
+        if body:
+            options = settings.options
+            column = split_column(body)
+            base = options.multiresolution.base
+            draw_options(column, settings.method, base, lambda owner: getattr(options, owner))
+            column.prop(settings, "weld")
 
     def _draw_bound(self, layout, obj, settings):
+        layout.separator(factor=0.5)
         row = layout.row(align=True)
         row.prop(settings, "live", toggle=True, icon="PLAY")
         row.operator("lissom.pose_update", icon="FILE_REFRESH").object = obj.name

@@ -3,6 +3,8 @@
 import bpy
 from bpy.props import CollectionProperty, EnumProperty, IntProperty, PointerProperty, StringProperty
 
+from ..bridge import shape_keys
+
 ROTATION_ITEMS = [
     (
         "consistent",
@@ -29,11 +31,26 @@ class LissomArc(bpy.types.PropertyGroup):
     keys: CollectionProperty(type=LissomArcKey)
 
 
+def ends(settings, context, text):
+    """The shape keys that an arc can start or end at: all but those that show a live pose."""
+    mesh = settings.id_data.data
+    keys = mesh.shape_keys
+    left_out = shape_keys.previews(mesh)
+    return [name for name in (keys.key_blocks.keys() if keys else []) if name not in left_out]
+
+
 class LissomInbetween(bpy.types.PropertyGroup):
     """Settings of one mesh object."""
 
-    start: StringProperty(name="From", description="Shape key that the arc starts at. Empty: the Basis")
-    end: StringProperty(name="To", description="Shape key that the arc ends at")
+    start: StringProperty(
+        name="From",
+        description="Shape key that the arc starts at. Empty: the Basis",
+        search=ends,
+        search_options=set(),
+    )
+    end: StringProperty(
+        name="To", description="Shape key that the arc ends at", search=ends, search_options=set()
+    )
     count: IntProperty(
         name="In-betweens",
         description="Shape keys between the two; more follow the arc more closely",

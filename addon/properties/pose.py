@@ -1,44 +1,88 @@
 """Settings of a posed mesh, on its object."""
 
 import bpy
-import lissom
 from bpy.props import (
     BoolProperty,
     CollectionProperty,
     EnumProperty,
+    FloatProperty,
     FloatVectorProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
 )
 
-from .. import live
+from .. import rebind
+from ..core.pose_options import METHODS, OPTIONS
 
-# Name, label, one line for the artist. A file stores the place in this list: only append.
-_METHODS = (
-    ("laplacian", "Laplacian", "Keeps the details' vectors; fast, for small motions without turns"),
-    ("laplacian_fitted", "Laplacian, fitted", "Turns and scales the details to fit; for medium turns"),
-    ("rotation_invariant", "Rotation-invariant", "Spreads the handles' turns over the mesh, also full turns"),
-    ("thin_shell", "Thin shell", "Stretches and bends like a thin sheet; smooth, for small motions"),
-    ("poisson", "Poisson", "Blends the handles' transforms by smooth weights; fast"),
-    ("multiresolution", "Multiresolution", "Poses a smooth base, then puts the details back on it"),
-    ("arap", "As rigid as possible", "Keeps every small piece of the mesh rigid; for large turns and bends"),
-)
+# The table's place is what a file stores.
+METHOD_ITEMS = [(*item, number) for number, item in enumerate(METHODS)]
 
-METHOD_ITEMS = [
-    (name, label, line, number)
-    for number, (name, label, line) in enumerate(_METHODS)
-    if name in lissom.POSE_METHODS
-]
+
+def option_property(option, **also):
+    """The Blender property of one option of the table."""
+    settings = {"name": option.label, "description": option.line, "default": option.default, **also}
+    if option.items:
+        items = [(*item, number) for number, item in enumerate(option.items)]
+        return EnumProperty(items=items, **settings)
+    if isinstance(option.default, bool):
+        return BoolProperty(**settings)
+    settings |= {"min": option.low, "max": option.high, "soft_max": option.soft_high or option.high}
+    return (IntProperty if isinstance(option.default, int) else FloatProperty)(**settings)
 
 
 def _is_handle(_, obj):
     return obj.type == "EMPTY"
 
 
-def _method_changed(settings, _):
-    if settings.bound:
-        live.mark(settings.id_data)
+def use_weights_property(**also):
+    """Whether vertices belong to a handle by their weight in its group."""
+    return BoolProperty(
+        name="Use Weights",
+        description="Vertices of a weight below 1 follow their handle in part: its edge is soft. "
+        "Off: a handle takes every vertex of its group along",
+        default=False,
+        **also,
+    )
+
+
+def weld_property(**also):
+    """Whether lissom.Mesh welds vertices in the very same place (row 11)."""
+    return BoolProperty(
+        name="Weld Seams",
+        description="Vertices in the very same place move as one, as at the seams of an imported mesh; "
+        "the mesh itself keeps them all",
+        default=False,
+        **also,
+    )
+
+
+def _changed(settings, _):
+    obj = settings.id_data
+    if obj.lissom_pose.bound:
+        rebind.ask(obj)
+
+
+# One group a method, so that each keeps its own options while the artist tries another.
+_GROUPS = {
+    owner: type(
+        f"LissomPoseOptions_{owner}",
+        (bpy.types.PropertyGroup,),
+        {
+            "__doc__": f"Options of a pose method: {owner}.",
+            "__annotations__": {
+                name: option_property(option, update=_changed) for name, option in options.items()
+            },
+        },
+    )
+    for owner, options in OPTIONS.items()
+}
+
+
+class LissomPoseOptions(bpy.types.PropertyGroup):
+    """The options of all methods, by method."""
+
+    __annotations__ = {owner: PointerProperty(type=group) for owner, group in _GROUPS.items()}
 
 
 class LissomHandle(bpy.types.PropertyGroup):
@@ -67,8 +111,11 @@ class LissomPose(bpy.types.PropertyGroup):
         description="How the mesh between the handles follows them",
         items=METHOD_ITEMS,
         default="arap",
-        update=_method_changed,
+        update=_changed,
     )
+    options: PointerProperty(type=LissomPoseOptions)
+    use_weights: use_weights_property(update=_changed)
+    weld: weld_property(update=_changed)
     live: BoolProperty(
         name="Live",
         description="Let the mesh follow while an Empty moves. Off: it follows when Update is pressed",
@@ -87,7 +134,7 @@ class LissomPose(bpy.types.PropertyGroup):
     )
 
 
-classes = (LissomHandle, LissomPose)
+classes = (LissomHandle, *_GROUPS.values(), LissomPoseOptions, LissomPose)
 
 
 def register():

@@ -60,3 +60,9 @@ def test_a_handle_moves_its_points_as_it_does_in_the_scene():
     moved = (posed @ np.linalg.inv(rest) @ [*point, 1])[:3]  # in the coordinates of the object
     (transform,) = space.handle_transforms(linear, rest[None], posed[None])
     assert_allclose((transform @ [*space.into(linear, point), 1])[:3], space.into(linear, moved), atol=1e-12)
+
+
+def test_row_4_what_single_precision_cannot_hold_is_refused():
+    assert_allclose(space.back(np.eye(3), np.full((2, 3), 3.4e38)), 3.4e38)
+    with pytest.raises(Refused, match="beyond the largest coordinate"):
+        space.back(0.5 * np.eye(3), np.full((2, 3), 3.4e38))

@@ -31,6 +31,13 @@ def test_waiting_runs_every_piece():
     assert log == [0, 1, 2]
 
 
+def test_a_job_that_has_not_said_its_stage_is_starting():
+    def steps():
+        yield Pause(0.0, "")
+
+    assert Work(steps()).progress == (0.0, "starting")
+
+
 def test_each_poll_does_one_piece():
     log = []
     work = Work(three_pauses(log))

@@ -7,6 +7,7 @@ import pytest
 import scene
 from bl_ext.user_default.lissom.bridge import meshes
 from bl_ext.user_default.lissom.core import hat
+from bl_ext.user_default.lissom.properties import inbetween as properties
 from numpy.testing import assert_allclose, assert_array_equal
 
 COUNT = 4
@@ -365,3 +366,14 @@ def test_a_driven_start_key_is_left_alone_and_said(capfd):
     obj.data.shape_keys.key_blocks["half"].driver_add("value")
     bpy.ops.lissom.inbetween_bake(object="Tube", start="half", end="full", count=1)
     assert "Warning: Shape key 'half' is driven or locked: set it to 1 yourself" in capfd.readouterr().out
+
+
+def test_the_key_that_shows_a_live_pose_is_not_offered():
+    obj = scene.bound_tube()
+    scene.add_key(obj, "K", scene.points(obj.data.vertices))
+    assert obj.data.shape_keys.key_blocks.keys() == ["Basis", "Lissom Pose", "K"]
+    assert properties.ends(obj.lissom_inbetween, bpy.context, "") == ["Basis", "K"]
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    scene.add_key(obj, "Lissom Pose", scene.points(obj.data.vertices))  # the artist's own, of that name
+    assert properties.ends(obj.lissom_inbetween, bpy.context, "") == ["Basis", "K", "Lissom Pose"]
+    assert properties.ends(scene.tube(name="Bare").lissom_inbetween, bpy.context, "") == []

@@ -6,6 +6,7 @@ import bpy
 import pytest
 import scene
 from bl_ext.user_default.lissom import session
+from bl_ext.user_default.lissom.core.pose_options import METHODS, by_name, options_of
 from bl_ext.user_default.lissom.core.work import Work
 
 FUNCTIONS = bpy.types.UILayout.bl_rna.functions
@@ -54,10 +55,13 @@ class Layout:
     def _answer(self, name, given):
         if name in LAYOUTS:
             return Layout(self._drawn)
+        if name == "panel":  # header and body, which is None while it is closed
+            return Layout(self._drawn), None if self._drawn["closed"] else Layout(self._drawn)
         if name == "operator":
             return Operator(given["operator"], self._drawn["operators"])
         if name in ("prop", "prop_search") and not given["property"].startswith("["):
             assert given["property"] in given["data"].bl_rna.properties, given["property"]
+            self._drawn["settings"].append(given["property"])
         if name == "prop_search":
             assert given["search_property"] in given["search_data"].bl_rna.properties
         if name in ("menu", "template_list"):
@@ -67,9 +71,13 @@ class Layout:
         return None
 
 
-def draw(cls, *arguments):
-    """Draws a panel, a menu or a list's row; returns what was drawn."""
-    drawn = {"labels": [], "operators": {}, "classes": [], "pointers": {}}
+def nothing_drawn(closed=False):
+    return {"labels": [], "operators": {}, "classes": [], "pointers": {}, "settings": [], "closed": closed}
+
+
+def draw(cls, *arguments, closed=False):
+    """Draws a panel, a menu or a list's row; returns what was drawn. ``closed``: with subpanels closed."""
+    drawn = nothing_drawn(closed)
     layout = Layout(drawn)
     members = {name: member for name, member in vars(cls).items() if isinstance(member, types.FunctionType)}
     stub = type("Stub", (), members)()
@@ -106,8 +114,66 @@ def test_pose_before_and_after_bind(panels):
     assert "lissom.pose_bind" not in bound["operators"]
     bpy.ops.lissom.pose_unbind(object="Tube")
     free = draw(panels["pose"])
-    assert free["operators"]["lissom.pose_bind"] == [{"object": "Tube", "method": "arap"}]
+    assert free["operators"]["lissom.pose_bind"] == [
+        {
+            "object": "Tube",
+            "method": "arap",
+            "use_weights": False,
+            "weld": False,
+            "cells": "spokes_and_rims",
+            "rotation_smoothing": 0.0,
+            "smoothness": 0.0,
+            "constraints": "hard",
+            "weight": 1.0,
+        }
+    ]
     assert "lissom.pose_apply" not in free["operators"]
+
+
+BASES = [name for name, _, _ in METHODS if name != "multiresolution"]
+
+
+@pytest.mark.parametrize(
+    ("method", "base"), [(name, "poisson") for name in BASES] + [("multiresolution", base) for base in BASES]
+)
+def test_the_options_are_those_of_the_chosen_method_and_no_others(panels, method, base):
+    settings = scene.tube().lissom_pose
+    settings.method, settings.options.multiresolution.base = method, base
+    drawn = draw(panels["pose"])
+    wanted = options_of(method, base)
+    shown = [name for (_, name), option in wanted.items() if not option.when]
+    assert [name for name in drawn["settings"] if name in by_name()] == shown
+    assert not any(name in by_name() for name in draw(panels["pose"], closed=True)["settings"])
+    (given,) = drawn["operators"]["lissom.pose_bind"]
+    assert given == {"object": "Tube", "method": method, "use_weights": False, "weld": False} | {
+        name: option.default for (_, name), option in wanted.items()
+    } | ({"base": base} if method == "multiresolution" else {})
+    (line,) = (line for name, _, line in METHODS if name == method)
+    assert line in text(drawn)
+
+
+def test_an_option_is_shown_when_the_one_it_needs_is_chosen(panels):
+    settings = scene.tube().lissom_pose
+    settings.method = "rotation_invariant"
+    for group, needed, choice, name in (
+        (settings.options.common, "constraints", "soft", "weight"),
+        (settings.options.rotation_invariant, "interpolation", "matrix", "project"),
+    ):
+        assert name not in draw(panels["pose"])["settings"]
+        setattr(group, needed, choice)
+        assert name in draw(panels["pose"])["settings"]
+
+
+def test_the_redo_panel_shows_the_options_of_the_method():
+    operator = types.SimpleNamespace(
+        bl_rna=bpy.ops.lissom.pose_bind.get_rna_type(),
+        layout=Layout(drawn := nothing_drawn()),
+        method="thin_shell",
+        base="poisson",
+        constraints="hard",
+    )
+    bpy.types.LISSOM_OT_pose_bind.draw(operator, bpy.context)
+    assert drawn["settings"] == ["method", "k_s", "k_b", "border", "constraints", "use_weights", "weld"]
 
 
 def test_pose_of_an_active_handle_is_that_of_its_mesh(panels):

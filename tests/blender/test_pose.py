@@ -1,13 +1,16 @@
 """Pose: handles, Bind, live update, Apply, Unbind."""
 
+import types
+
 import bmesh
 import bpy
 import lissom
 import numpy as np
 import pytest
 import scene
-from bl_ext.user_default.lissom import live, session
+from bl_ext.user_default.lissom import live, rebind, session
 from bl_ext.user_default.lissom.bridge import meshes, poses
+from bl_ext.user_default.lissom.core.refused import Refused
 from mathutils import Euler, Matrix
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -80,6 +83,211 @@ def test_the_pose_is_what_the_native_module_solves():
     assert_allclose(scene.shown(obj), expected.vertices, atol=1e-5)
     assert_allclose(scene.shown(obj)[handles[0]], rest[handles[0]], atol=1e-6)
     assert_allclose(scene.shown(obj)[handles[1]], moved(bend, rest[handles[1]]), atol=1e-5)
+
+
+def native(obj, transforms, membership=None, **options):
+    """What the native module makes of the tube by itself."""
+    rest = scene.key_points(obj, "Basis")
+    mesh = lissom.Mesh(rest, meshes.triangles(obj.data))
+    handles = [np.flatnonzero(rest[:, 2] < -2.5), np.flatnonzero(rest[:, 2] > 2.5)]
+    if membership:
+        options["handle_weights"] = [[membership(rest[v]) for v in handle] for handle in handles]
+    return lissom.Pose(mesh, handles, **options).solve(transforms).vertices
+
+
+# One choice of every method that is not its default.
+CHOICES = [
+    {"method": "laplacian", "weights": "uniform"},
+    {"method": "laplacian_fitted", "weights": "cotangent", "scale": True},
+    {"method": "rotation_invariant", "weights": "uniform", "interpolation": "matrix", "project": False},
+    {"method": "thin_shell", "k_s": 3.3, "k_b": 0.1, "border": 2},
+    {"method": "poisson", "border": 1, "constraints": "soft", "weight": 2.5},
+    {"method": "multiresolution", "base": "thin_shell", "border": 0, "smoothing": 0.3, "details": "offsets"},
+    {"method": "arap", "cells": "spokes", "smoothness": 0.1, "rotation_smoothing": 0.02},
+]
+
+
+def bound_by(choice):
+    """The tube, bound so, with its upper end turned and moved."""
+    obj = scene.bound_tube(rings=30, around=20)
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    assert bpy.ops.lissom.pose_bind(object=obj.name, **choice) == {"FINISHED"}
+    bend = Matrix.Translation((0.5, 0, 0.2)) @ Euler((0, 0.5, 0.3)).to_matrix().to_4x4()
+    scene.empty(obj, "top").matrix_world = bend @ scene.empty(obj, "top").matrix_world
+    bpy.context.view_layer.update()
+    return obj
+
+
+@pytest.mark.parametrize("choice", CHOICES, ids=lambda choice: choice["method"])
+def test_every_option_reaches_the_native_module_also_after_loading(choice, tmp_path):
+    obj = bound_by(choice)
+    expected = native(obj, poses.transforms(obj), **choice)
+    assert_allclose(scene.shown(obj), expected, atol=2e-5)
+    default = native(obj, poses.transforms(obj), method=choice["method"])
+    assert np.abs(default - expected).max() > 1e-3
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "bound.blend"))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "bound.blend"))
+    obj = bpy.data.objects["Tube"]
+    assert not session.poses
+    scene.empty(obj, "top").location.x += 0.5
+    bpy.context.view_layer.update()
+    expected = native(obj, poses.transforms(obj), **choice)
+    assert_allclose(scene.shown(obj), expected, atol=2e-5)
+    asked = session.poses[obj.session_uid].asked
+    assert choice.items() <= ({"method": asked.method} | asked.options).items()
+
+
+@pytest.mark.parametrize("choice", CHOICES, ids=lambda choice: choice["method"])
+def test_after_undo_every_method_solves_from_the_handles_of_then(choice):
+    """Undo itself needs a window (tests/blender/window.py); here its handler runs on what undo leaves."""
+    obj = bound_by(choice)
+    seen = scene.shown(obj)
+    key = obj.data.shape_keys.key_blocks[PREVIEW]
+    key.data.foreach_set("co", scene.key_points(obj, "Basis").ravel())  # a mesh of the past
+    live._on_history()
+    bpy.context.view_layer.update()
+    obj.location.x += 1  # any update, with no handle moved
+    bpy.context.view_layer.update()
+    assert_allclose(scene.key_points(obj, PREVIEW), seen, atol=5e-3 if choice["method"] == "arap" else 2e-5)
+
+
+def test_an_option_changed_while_bound_is_followed_at_once():
+    obj = bound_by({"method": "laplacian_fitted"})
+    settings = obj.lissom_pose
+    assert settings.options.laplacian_fitted.scale is False  # unlike the core: the published energy swells
+    transforms = poses.transforms(obj)
+    for change in ({"scale": True}, {"weights": "cotangent"}):
+        for name, value in change.items():
+            setattr(settings.options.laplacian_fitted, name, value)
+        bpy.context.view_layer.update()
+        obj.location.x += 1  # any update
+        bpy.context.view_layer.update()
+    expected = native(obj, transforms, method="laplacian_fitted", scale=True, weights="cotangent")
+    assert_allclose(scene.key_points(obj, PREVIEW), expected, atol=2e-5)
+
+
+def test_a_window_binds_anew_beside_blender(monkeypatch):
+    """Its timers do not run here (tests/blender/window.py has them): their function is called by hand."""
+    obj = bound_by({"method": "thin_shell"})
+    transforms, before = poses.transforms(obj), scene.key_points(obj, PREVIEW)
+    monkeypatch.setattr(rebind, "bpy", windowed := Windowed())
+    options = obj.lissom_pose.options.thin_shell
+    options.k_s, options.k_b = 5.0, 0.3
+    for operator in ("update", "apply", "reset"):
+        with scene.refused("'Tube' is still being bound anew: wait a moment"):
+            getattr(bpy.ops.lissom, f"pose_{operator}")(object=obj.name)
+    assert windowed.registered == [rebind._poll] * 2
+    assert rebind._poll() == rebind.POLL_SECONDS or not session.rebinding
+    options.k_s = 4.0  # while the work is under way
+    while rebind._poll() is not None:
+        pass
+    assert_array_equal(scene.key_points(obj, PREVIEW), before)
+    bpy.context.view_layer.update()
+    live.update(obj)
+    expected = native(obj, transforms, method="thin_shell", k_s=4.0, k_b=0.3)
+    assert_allclose(scene.shown(obj), expected, atol=2e-5)
+    assert np.abs(expected - before).max() > 1e-3
+
+
+def test_row_42_handles_or_faces_changed_while_bind_is_under_way():
+    """Its two halves run one after the other here, and what is between them in a window is done by hand."""
+    obj = scene.bound_tube(rings=30, around=20)
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    for change, message in (
+        (lambda: obj.lissom_pose.handles.move(0, 1), "handles of 'Tube' were changed meanwhile"),
+        (lambda: reverse_a_face(obj), "was changed meanwhile"),
+        (lambda: bpy.data.objects.remove(obj), "'Tube' is gone"),
+    ):
+        operator = types.SimpleNamespace(object="Tube", asked=lambda: poses.asked(obj.lissom_pose))
+        kind = bpy.types.LISSOM_OT_pose_bind
+        work = kind.begin(operator, bpy.context)
+        change()
+        with pytest.raises(Refused, match=message):
+            kind.finish(operator, bpy.context, work.wait())
+        assert "Tube" not in bpy.data.objects or obj.data.shape_keys is None
+
+
+def reverse_a_face(obj):
+    edit = bmesh.new()
+    edit.from_mesh(obj.data)
+    edit.faces.ensure_lookup_table()
+    bmesh.ops.reverse_faces(edit, faces=edit.faces[:1])
+    edit.to_mesh(obj.data)
+    edit.free()
+
+
+def test_row_42_unbound_or_deleted_while_it_is_bound_anew(monkeypatch):
+    obj = bound_by({"method": "thin_shell"})
+    monkeypatch.setattr(rebind, "bpy", Windowed())
+    obj.lissom_pose.options.thin_shell.k_s = 5.0
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    assert not session.rebinding
+    bpy.ops.lissom.pose_bind(object=obj.name)
+    obj.lissom_pose.method = "poisson"
+    rebind._poll()
+    bpy.data.objects.remove(obj)
+    while rebind._poll() is not None:
+        pass
+    assert not session.rebinding
+
+
+class Windowed:
+    """bpy as the module under test sees it in a window, with timers that only note."""
+
+    data = bpy.data
+
+    def __init__(self):
+        self.registered = []
+        self.app = types.SimpleNamespace(background=False, timers=self)
+
+    def register(self, function, first_interval):
+        self.registered.append(function)
+
+    def unregister(self, function):
+        pass
+
+    def is_registered(self, function):
+        return bool(self.registered)
+
+
+def test_an_option_of_another_method_is_refused():
+    obj = scene.bound_tube()
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    with scene.refused("'arap' has no option k_s; it has cells, rotation_smoothing, smoothness, constraints"):
+        bpy.ops.lissom.pose_bind(object=obj.name, k_s=2.0)
+    with scene.refused("'multiresolution' has no option k_s; it has smoothing, details, base, border"):
+        bpy.ops.lissom.pose_bind(object=obj.name, method="multiresolution", k_s=2.0)
+    bpy.ops.lissom.pose_bind(object=obj.name, method="multiresolution", base="thin_shell", k_s=2.0)
+    assert obj.lissom_pose.options.thin_shell.k_s == 2.0
+
+
+@pytest.mark.parametrize("method", lissom.POSE_METHODS)
+def test_weights_of_the_groups_make_the_edges_of_the_handles_soft(method):
+    obj = scene.tube(rings=30, around=20)
+    weight = lambda co: 1.0 if abs(co[2]) > 2.7 else 0.25  # noqa: E731
+    for name, side in (("bottom", -1), ("top", 1)):
+        scene.group(obj, name, lambda co, side=side: side * co.z > 2.5)
+        for vertex in obj.data.vertices:
+            if side * vertex.co.z > 2.5:
+                obj.vertex_groups[name].add([vertex.index], weight(vertex.co), "REPLACE")
+        bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group=name)
+    shown = {}
+    for use_weights in (False, True):
+        bpy.ops.lissom.pose_bind(object=obj.name, method=method, use_weights=use_weights)
+        assert obj.lissom_pose.use_weights == use_weights
+        scene.empty(obj, "top").location.x += 1
+        scene.empty(obj, "top").rotation_euler.y = 0.4
+        bpy.context.view_layer.update()
+        given = {"scale": False} if method == "laplacian_fitted" else {}
+        membership = weight if use_weights else None
+        expected = native(obj, poses.transforms(obj), membership, method=method, **given)
+        shown[use_weights] = scene.shown(obj)
+        assert_allclose(shown[use_weights], expected, atol=2e-5)
+        bpy.ops.lissom.pose_unbind(object=obj.name)
+    assert np.abs(shown[True] - shown[False]).max() > 1e-3
+    wholly = np.abs(scene.points(obj.data.vertices)[:, 2]) > 2.7
+    assert_allclose(shown[True][wholly], shown[False][wholly], atol=1e-5)
 
 
 def test_moving_the_object_does_not_pose_it():
@@ -340,12 +548,7 @@ def test_row_25_a_vertex_group_that_was_renamed_is_named():
 
 def test_row_26_faces_changed_since_bind_with_equal_counts():
     obj = scene.bound_tube()
-    edit = bmesh.new()
-    edit.from_mesh(obj.data)
-    edit.faces.ensure_lookup_table()
-    bmesh.ops.reverse_faces(edit, faces=edit.faces[:1])
-    edit.to_mesh(obj.data)
-    edit.free()
+    reverse_a_face(obj)
     scene.empty(obj, "top").location.x += 1
     bpy.context.view_layer.update()
     assert "remodelled since Bind" in session.status[obj.name][1]

@@ -14,6 +14,7 @@ import traceback
 
 import addon_utils
 import bpy
+import lissom
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
@@ -72,6 +73,110 @@ def check_live_update_follows_and_undo_and_redo_keep_up():
         yield from until(lambda obj=obj, height=height: abs(top_height(obj) - height) < 1e-4)
     move_top(obj, rest + 3)
     yield from until(lambda: abs(top_height(obj) - 6) < 1e-4)
+
+
+def check_every_method_poses_again_after_undo_and_redo():
+    for method in lissom.POSE_METHODS:
+        new_file()
+        obj = scene.bound_tube()
+        bpy.ops.lissom.pose_unbind(object=obj.name)
+        bpy.ops.lissom.pose_bind(object=obj.name, method=method)
+        rest = scene.empty(obj, "top").location.z
+        push("bound")
+        move_top(obj, rest + 1)
+        yield from until(lambda obj=obj: abs(top_height(obj) - 4) < 1e-4)
+        push("up 1")
+        for action, height in (("undo", 3), ("redo", 4), ("undo", 3)):
+            with window():
+                getattr(bpy.ops.ed, action)()
+            obj = bpy.data.objects["Tube"]
+            yield from until(lambda obj=obj, height=height: abs(top_height(obj) - height) < 1e-4)
+        assert obj.lissom_pose.method == method
+        move_top(obj, rest + 2)
+        yield from until(lambda obj=obj: abs(top_height(obj) - 5) < 1e-4)
+
+
+def check_bind_is_undone_and_redone():
+    new_file()
+    obj = scene.tube()
+    scene.group(obj, "top", lambda co: co.z > 2.5)
+    bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="top")
+    push("before")
+    with window():
+        bpy.ops.lissom.pose_bind("EXEC_DEFAULT", True, object="Tube", method="thin_shell", k_s=3.0)
+        bpy.ops.ed.undo()
+    obj = bpy.data.objects["Tube"]
+    assert not obj.lissom_pose.bound
+    assert obj.data.shape_keys is None
+    with window():
+        bpy.ops.ed.redo()
+    obj = bpy.data.objects["Tube"]
+    assert obj.lissom_pose.bound
+    move_top(obj, scene.empty(obj, "top").location.z + 1)
+    yield from until(lambda: abs(top_height(obj) - 4) < 1e-4)
+    assert session.poses[obj.session_uid].asked.options["k_s"] == 3.0
+
+
+def start_long_bind():
+    """Leaves Bind running on a mesh that takes seconds."""
+    new_file()
+    obj = scene.tube(rings=300, around=150)
+    for name, side in (("bottom", -1), ("top", 1)):
+        scene.group(obj, name, lambda co, side=side: side * co.z > 2.5)
+        bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group=name)
+    bpy.context.view_layer.update()
+    with window():
+        started = bpy.ops.lissom.pose_bind("INVOKE_DEFAULT", object=obj.name, method="laplacian_fitted")
+    assert started == {"RUNNING_MODAL"}
+    return obj
+
+
+def check_bind_runs_beside_blender():
+    obj = start_long_bind()
+    ticks, stages = 0, set()
+    while session.work is not None:
+        ticks += 1
+        stages.add(session.work.progress)
+        assert not obj.lissom_pose.bound
+        yield
+    print(f"        {ticks} ticks, {sorted(stages)[:5]}")
+    assert ticks > 3, "the window stood still"
+    assert obj.lissom_pose.bound
+    move_top(obj, scene.empty(obj, "top").location.z + 1)
+    yield from until(lambda: abs(top_height(obj) - 4) < 1e-4)
+
+
+def check_an_option_changed_while_bound_is_followed_beside_blender():
+    new_file()
+    obj = scene.bound_tube(rings=300, around=150)
+    obj.lissom_pose.method = "laplacian"
+    move_top(obj, scene.empty(obj, "top").location.z + 1)
+    yield from until(lambda: abs(top_height(obj) - 4) < 1e-4)
+    middle = scene.key_points(obj, PREVIEW)[22500]
+    started = time.monotonic()
+    obj.lissom_pose.method = "laplacian_fitted"
+    obj.lissom_pose.options.laplacian_fitted.weights = "cotangent"
+    changed = time.monotonic() - started
+    ticks = 0
+    while (bound := session.poses.get(obj.session_uid)) is None or bound.asked.method != "laplacian_fitted":
+        ticks += 1
+        yield
+    print(f"        in {changed:.3f} s, bound after {time.monotonic() - started:.1f} s, {ticks} ticks")
+    assert changed < 0.1 and ticks > 3, "the window stood still"
+    assert bound.asked.options["weights"] == "cotangent"
+    yield from until(lambda: not np.array_equal(scene.key_points(obj, PREVIEW)[22500], middle))
+
+
+def check_row_40_bind_cancelled_at_once_with_nothing_changed():
+    obj = start_long_bind()
+    yield
+    started = time.monotonic()
+    session.work.cancel()
+    yield from until(lambda: session.work is None, 2.0)
+    print(f"        in {time.monotonic() - started:.2f} s")
+    assert not obj.lissom_pose.bound
+    assert obj.data.shape_keys is None
+    bpy.ops.lissom.pose_bind(object=obj.name, method="laplacian")
 
 
 def check_operators_are_undone_in_one_step():

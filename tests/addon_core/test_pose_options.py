@@ -1,0 +1,111 @@
+"""The table of pose options against lissom.Pose, which says by its errors what it takes."""
+
+import lissom
+import numpy as np
+import pytest
+import shapes
+from lissom_addon_core.pose_options import METHODS, OPTIONS, Asked, by_name, options_of
+from numpy.testing import assert_array_equal
+
+BASES = [name for name, _, _ in METHODS if name != "multiresolution"]
+CASES = [(name, "poisson") for name in BASES] + [("multiresolution", base) for base in BASES]
+VERTICES, TRIANGLES = shapes.tube(rows=20, columns=12)
+TURN = shapes.rigid([0.3, 1.0, 0.2], 1.1, [0.4, -0.2, 0.3]) @ np.diag([1.2, 1.2, 1.2, 1.0])
+
+
+def bind(method, **options):
+    """Both ends of a bumpy tube as handles."""
+    return lissom.Pose(lissom.Mesh(VERTICES, TRIANGLES), shapes.ends(VERTICES), method=method, **options)
+
+
+def solved(method, **options):
+    return bind(method, **options).solve([np.eye(4), TURN]).vertices
+
+
+def defaults(method, base):
+    wanted = options_of(method, base)
+    return {name: option.default for (_, name), option in wanted.items()} | (
+        {"base": base} if method == "multiresolution" else {}
+    )
+
+
+def test_the_methods_are_those_of_the_core_in_its_order():
+    assert tuple(name for name, _, _ in METHODS) == lissom.POSE_METHODS
+    assert list(OPTIONS) == ["common", *lissom.POSE_METHODS]
+
+
+@pytest.mark.parametrize(("method", "base"), CASES)
+def test_the_options_are_all_of_the_core_and_no_others(method, base):
+    given = {"base": base} if method == "multiresolution" else {}
+    with pytest.raises(TypeError) as caught:
+        bind(method, no_such_option=1, **given)
+    known = str(caught.value).split("it has ")[1].split(", ")
+    assert sorted(known) == sorted(name for _, name in options_of(method, base))
+
+
+@pytest.mark.parametrize("name", [name for name, option in by_name().items() if option.items])
+def test_the_choices_are_all_of_the_core_and_no_others(name):
+    owner = next(owner for owner in OPTIONS if name in OPTIONS[owner])
+    with pytest.raises(lissom.InvalidValue) as caught:
+        bind("arap" if owner == "common" else owner, **{name: "no such choice"})
+    known = str(caught.value).split("there are " if name == "base" else "none of ")[1].split(", ")
+    if name == "base":
+        known.remove("multiresolution")  # which is a method, but no base
+    assert sorted(known) == sorted(value for value, _, _ in by_name()[name].items)
+
+
+@pytest.mark.parametrize(("method", "base"), CASES)
+def test_the_defaults_are_those_of_the_core_but_for_one(method, base):
+    given = defaults(method, base)
+    if "scale" in given:
+        assert given["scale"] is False  # the published energy swells
+        given["scale"] = True
+    only_base = {"base": base} if method == "multiresolution" else {}
+    assert_array_equal(solved(method, **given), solved(method, **only_base))
+
+
+def changes(method):
+    """(name, value) of every choice, switch and end of a range."""
+    for name, option in OPTIONS[method].items():
+        if option.items:
+            yield from ((name, value) for value, _, _ in option.items)
+        elif isinstance(option.default, bool):
+            yield name, not option.default
+        else:
+            yield from ((name, value) for value in (option.low, option.soft_high or option.high, option.high))
+
+
+@pytest.mark.parametrize(
+    ("method", "name", "value"),
+    [(owner, *change) for owner in OPTIONS if owner != "common" for change in changes(owner)]
+    + [(method, *change) for method in lissom.POSE_METHODS for change in changes("common")],
+)
+def test_the_core_takes_every_choice_and_both_ends_of_every_range(method, name, value):
+    posed = solved(method, **{name: value})
+    assert np.isfinite(posed).all()
+    option = (OPTIONS[method] | OPTIONS["common"])[name]
+    if not option.when:
+        same = np.array_equal(posed, solved(method, **{name: option.default}))
+        assert same == (value == option.default)
+
+
+@pytest.mark.parametrize(
+    ("method", "name", "value"), [("arap", "weight", 3.0), ("rotation_invariant", "project", False)]
+)
+def test_an_option_does_nothing_without_the_one_it_needs(method, name, value):
+    needed, choice = by_name()[name].when
+    assert_array_equal(solved(method, **{name: value}), solved(method))
+    with_it = [solved(method, **{needed: choice, name: given}) for given in (by_name()[name].default, value)]
+    assert not np.allclose(*with_it, atol=1e-6)
+
+
+def test_options_of_one_name_differ_in_nothing_but_their_default():
+    for options in OPTIONS.values():
+        for name, option in options.items():
+            assert option._replace(default=None) == by_name()[name]._replace(default=None)
+
+
+def test_what_single_precision_has_kept_is_the_decimal_that_was_meant():
+    asked = Asked.of("laplacian", "", False, False, lambda owner, name: float(np.float32(0.2)))
+    assert asked.options == {"weights": 0.2, "constraints": 0.2, "weight": 0.2}
+    assert float(np.float32(0.2)) != 0.2
