@@ -77,7 +77,7 @@ extension: $(WHEEL)
 
 bench: $(WHEEL)
 	test -x .venv/bench/bin/python || $(PYTHON) -m venv .venv/bench
-	.venv/bench/bin/python $(PIP_INSTALL) 'bpy==5.0.*' 'libigl==2.6.*'
+	.venv/bench/bin/python $(PIP_INSTALL) 'bpy==4.2.*' 'libigl==2.6.*'
 	.venv/bench/bin/python $(PIP_INSTALL) --force-reinstall --no-deps dist/*.whl
 	.venv/bench/bin/python bench/pose.py --out build/bench
 
