@@ -6,6 +6,7 @@ from . import live, rebind
 from .operators import (
     inbetween_bake,
     pose_apply,
+    pose_bake,
     pose_bind,
     pose_handles,
     transfer_fit,
@@ -24,6 +25,7 @@ _OPERATORS = (
     pose_handles,
     pose_bind,
     pose_apply,
+    pose_bake,
     transfer_markers,
     transfer_fit,
     transfer_keys,
