@@ -2,8 +2,8 @@
 
     python bench/live.py [method ...]          in an environment with bpy and the wheel
 
-What an update costs beside the solve is the bridge: reading handles, checking that the mesh is the one that was
-bound, and writing the shape key; and what Blender itself takes to evaluate the changed mesh.
+What an update costs beside the solve is the bridge: reading handles, checking that the mesh is the one that
+was bound, and writing the shape key; and what Blender itself takes to evaluate the changed mesh.
 """
 
 import json
