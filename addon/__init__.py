@@ -4,6 +4,7 @@ import bpy
 
 from . import live, rebind
 from .operators import (
+    inbetween_arcs,
     inbetween_bake,
     pose_apply,
     pose_bind,
@@ -28,6 +29,7 @@ _OPERATORS = (
     transfer_fit,
     transfer_keys,
     inbetween_bake,
+    inbetween_arcs,
 )
 _PANELS = (pose_panel, transfer_panel, inbetween_panel)  # in the order of the tab
 _CLASSES = [cls for module in (*_PROPERTIES, *_OPERATORS, *_PANELS) for cls in module.classes]

@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 
 from ..core.refused import Refused
+from . import animation
 from .meshes import positions
 
 
@@ -120,6 +121,7 @@ def remove(obj, name):
 
 
 def is_driven(key):
-    """True where a driver sets the key's value."""
-    data = key.id_data.animation_data
-    return data is not None and data.drivers.find(key.path_from_id("value")) is not None
+    """True where a driver or an animation sets the key's value."""
+    keys, path = key.id_data, key.path_from_id("value")
+    found = animation.driver(keys, path), animation.curve(keys, path)
+    return any(one is not None for one in found) or animation.in_nla(keys, path)
