@@ -1,10 +1,10 @@
 """Baked arcs of a mesh object: shape keys under one slider.
 
-Relative keys: the baked keys are the path at the knots, each relative to the key the path starts from, and
-each driven by its hat function h_i of the slider t. Blender then adds sum_i h_i(t) (P_i - P_0) to what the
-other keys show: with the start key on, that is the path from P_0 to P_n, straight between the knots; P_0
-needs no key. P_0 and P_n are what the artist sees with the start or the end key on, whatever key they are
-relative to.
+Relative keys: the baked keys are Basis + P_i - P_0 of the path P at its knots, relative to the Basis as every
+exporter takes them, and each driven by its hat function h_i of the slider t. Blender then adds
+sum_i h_i(t) (P_i - P_0) to what the other keys show: with the start key on, that is the path from P_0 to
+P_n, straight between the knots; P_0 needs no key. P_0 and P_n are what the artist sees with the start or the
+end key on, whatever key they are relative to.
 
 Absolute keys: P_0 to P_n are keys one after the other behind those that were there, and the slider drives
 the evaluation time through them; Blender goes straight from key to key by itself.
@@ -62,22 +62,24 @@ class Baking:
         if start == end:
             raise Refused("From and To are the same shape key: choose two")
         self.asked, self._start, self._end = asked, start.name, end.name
-        self.slider = self._slider_name(obj, asked.slider or names.shorten(end.name, " arc"))
+        wanted = asked.slider or names.shorten(end.name, " arc")
+        sliders.check_name(obj, wanted)
+        self.slider = names.resolve(wanted, set(obj.keys()), asked.exists)
+        if self.slider is None:
+            raise Refused(f"Slider '{wanted}' exists, and If Exists is Skip: choose another name")
+        self._check_slider(obj)
         linear = space.linear_part(obj.matrix_world, obj.name)
         self._mesh = mesh = meshes.Snapshot.of(obj, linear)
         first_shape, last_shape = shape_keys.seen(start), shape_keys.seen(end)
         if end.relative_key == start:  # then the end is seen on top of the start
             last_shape = first_shape + (shape_keys.shape(end) - shape_keys.shape(start))
         self._first = first_shape
-        self._offset = shape_keys.shape(start) - first_shape
+        self._offset = mesh.vertices - first_shape
         ends = space.into(linear, first_shape), space.into(linear, last_shape)
         self.work = path_work(mesh.geometry(), *ends, asked)
 
-    def _slider_name(self, obj, wanted):
-        sliders.check_name(obj, wanted)
-        slider = names.resolve(wanted, set(obj.keys()), self.asked.exists)
-        if slider is None:
-            raise Refused(f"Slider '{wanted}' exists, and If Exists is Skip: choose another name")
+    def _check_slider(self, obj):
+        slider = self.slider
         if slider in obj and slider not in obj.lissom_inbetween.arcs:
             raise Refused(
                 f"'{slider}' is a custom property of another kind: choose another name for the slider"
@@ -89,13 +91,13 @@ class Baking:
         if {self._start, self._end} & set(old):
             raise Refused(f"From and To must not be keys of slider '{slider}' itself: choose another slider")
         checks.require_unlocked([shape_keys.find(obj, name) for name in old])
-        return slider
 
     def write(self, sampled):
         """Writes core.inbetween.Sampled; returns the number of keys, and warnings."""
         obj = self._mesh.find()
         require(obj)
         start, end = shape_keys.find(obj, self._start), shape_keys.find(obj, self._end)
+        self._check_slider(obj)
         value = obj.get(self.slider)
         value = float(value) if isinstance(value, (int, float)) else 0.0
         before = obj.lissom_inbetween.arcs.get(self.slider)
@@ -129,7 +131,7 @@ class Baking:
         settings = shape_keys.Settings(vertex_group=end.vertex_group, mute=end.mute)
         curve = EASINGS[self.asked.easing]
         for index in range(1, len(knots)):
-            key = self._key(obj, arc, knots[index], shapes[index] + self._offset, settings, start)
+            key = self._key(obj, arc, knots[index], shapes[index] + self._offset, settings)
             sliders.drive(key, "value", obj, arc.name, hat.corners(knots, index, curve))
         if end.mute:
             return [f"Shape key '{end.name}' is muted, and so are the keys of its arc"]
@@ -144,7 +146,7 @@ class Baking:
         for knot, shape in zip(knots, shapes, strict=True):
             keys.eval_time = offset + SECOND * knot  # where Blender puts a new absolute key
             shape = self._first + weights * (shape - self._first)
-            self._key(obj, arc, knot, shape, shape_keys.Settings(), None).interpolation = "KEY_LINEAR"
+            self._key(obj, arc, knot, shape, shape_keys.Settings()).interpolation = "KEY_LINEAR"
         curve = EASINGS[self.asked.easing]
         times = np.array([0.0, 1.0])
         slopes = SECOND * curve.slope(times)
@@ -155,10 +157,10 @@ class Baking:
         listed = first(repr(name) for name in others)
         return [f"Absolute keys show the arc alone: shape key {listed} no longer adds to it"]
 
-    def _key(self, obj, arc, knot, positions, settings, relative):
+    def _key(self, obj, arc, knot, positions, settings):
         taken = set(obj.data.shape_keys.key_blocks.keys())
         name = names.unused(names.shorten(arc.name, f" {_percent(knot)}%"), taken)
-        key = shape_keys.write(obj, name, positions, settings, relative)
+        key = shape_keys.write(obj, name, positions, settings)
         made = arc.keys.add()
         made.name, made.time = key.name, knot
         return key
