@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import live, rebind
+from . import ghost, live, rebind
 from .operators import (
     inbetween_arcs,
     inbetween_bake,
@@ -41,9 +41,11 @@ def register():
     for module in _PROPERTIES:
         module.register()
     live.register()
+    ghost.register()
 
 
 def unregister():
+    ghost.unregister()
     rebind.unregister()
     live.unregister()
     for module in reversed(_PROPERTIES):

@@ -48,6 +48,33 @@ def asked_of(settings, **also):
     return Asked(**known | also)
 
 
+class Ends:
+    """Both ends of an arc as arrays and by name: they outlive undo and deletion."""
+
+    def __init__(self, obj, asked):
+        end = shape_keys.find(obj, asked.end)
+        start = shape_keys.find(obj, asked.start) if asked.start else obj.data.shape_keys.reference_key
+        for key in (start, end):
+            shape_keys.refuse_preview(key)
+        if start == end:
+            raise Refused("From and To are the same shape key: choose two")
+        self.names = start.name, end.name
+        self.mesh = meshes.Snapshot.of(obj, space.linear_part(obj.matrix_world, obj.name))
+        self.first, self.last = shape_keys.seen(start), shape_keys.seen(end)
+        if end.relative_key == start:  # then the end is seen on top of the start
+            self.last = self.first + (shape_keys.shape(end) - shape_keys.shape(start))
+
+    def path(self, asked):
+        """Work whose result is core.inbetween.Sampled, in solve space."""
+        linear = self.mesh.linear
+        ends = space.into(linear, self.first), space.into(linear, self.last)
+        return path_work(self.mesh.geometry(), *ends, asked)
+
+    def back(self, shapes):
+        """Shapes of that path, in the object's coordinates."""
+        return [space.back(self.mesh.linear, shape) for shape in shapes]
+
+
 class Baking:
     """An arc on its way into shape keys: read here, computed by ``work``, written by ``write``."""
 
@@ -55,28 +82,14 @@ class Baking:
         require(obj)
         if not asked.end:
             raise Refused("Choose the shape key that the arc leads to first")
-        end = shape_keys.find(obj, asked.end)
-        start = shape_keys.find(obj, asked.start) if asked.start else obj.data.shape_keys.reference_key
-        for key in (start, end):
-            shape_keys.refuse_preview(key)
-        if start == end:
-            raise Refused("From and To are the same shape key: choose two")
-        self.asked, self._start, self._end = asked, start.name, end.name
-        wanted = asked.slider or names.shorten(end.name, " arc")
+        self.asked, self._ends = asked, Ends(obj, asked)
+        wanted = asked.slider or names.shorten(self._ends.names[1], " arc")
         sliders.check_name(obj, wanted)
         self.slider = names.resolve(wanted, set(obj.keys()), asked.exists)
         if self.slider is None:
             raise Refused(f"Slider '{wanted}' exists, and If Exists is Skip: choose another name")
         self._check_slider(obj)
-        linear = space.linear_part(obj.matrix_world, obj.name)
-        self._mesh = mesh = meshes.Snapshot.of(obj, linear)
-        first_shape, last_shape = shape_keys.seen(start), shape_keys.seen(end)
-        if end.relative_key == start:  # then the end is seen on top of the start
-            last_shape = first_shape + (shape_keys.shape(end) - shape_keys.shape(start))
-        self._first = first_shape
-        self._offset = mesh.vertices - first_shape
-        ends = space.into(linear, first_shape), space.into(linear, last_shape)
-        self.work = path_work(mesh.geometry(), *ends, asked)
+        self.work = self._ends.path(asked)
 
     def _check_slider(self, obj):
         slider = self.slider
@@ -88,31 +101,31 @@ class Baking:
         if other is not None and other.name != slider:
             raise Refused(f"The shape keys play the absolute arc '{other.name}': remove it first")
         old = sliders.baked_keys(obj, slider)
-        if {self._start, self._end} & set(old):
+        if set(self._ends.names) & set(old):
             raise Refused(f"From and To must not be keys of slider '{slider}' itself: choose another slider")
         checks.require_unlocked([shape_keys.find(obj, name) for name in old])
 
     def write(self, sampled):
         """Writes core.inbetween.Sampled; returns the number of keys, and warnings."""
-        obj = self._mesh.find()
+        obj = self._ends.mesh.find()
         require(obj)
-        start, end = shape_keys.find(obj, self._start), shape_keys.find(obj, self._end)
+        start, end = (shape_keys.find(obj, name) for name in self._ends.names)
         self._check_slider(obj)
         value = obj.get(self.slider)
         value = float(value) if isinstance(value, (int, float)) else 0.0
         before = obj.lissom_inbetween.arcs.get(self.slider)
         rerouted = before.end if before is not None and before.reroute else ""
-        shapes = [space.back(self._mesh.linear, shape) for shape in sampled.shapes]
+        shapes = self._ends.back(sampled.shapes)
         _remove_keys(obj, self.slider)
-        description = f"Lissom: from '{self._start}' at 0 along an arc to '{self._end}' at 1"
+        description = f"Lissom: from '{start.name}' at 0 along an arc to '{end.name}' at 1"
         sliders.add(obj, self.slider, description, value)
         arc = obj.lissom_inbetween.arcs.add()
         for one in fields(Asked):
             if hasattr(arc, one.name):
                 setattr(arc, one.name, getattr(self.asked, one.name))
-        arc.name, arc.start, arc.end = self.slider, self._start, self._end
+        arc.name, arc.start, arc.end = self.slider, start.name, end.name
         warnings = [*sampled.warnings]
-        if rerouted and rerouted != self._end:
+        if rerouted and rerouted != end.name:
             arc.reroute = False  # what the slider has is another key's
             warnings.append(f"The slider keeps the animation that it took over from '{rerouted}'")
         elif self.asked.reroute:
@@ -130,8 +143,9 @@ class Baking:
     def _write_relative(self, obj, arc, start, end, knots, shapes):
         settings = shape_keys.Settings(vertex_group=end.vertex_group, mute=end.mute)
         curve = EASINGS[self.asked.easing]
+        offset = self._ends.mesh.vertices - self._ends.first
         for index in range(1, len(knots)):
-            key = self._key(obj, arc, knots[index], shapes[index] + self._offset, settings)
+            key = self._key(obj, arc, knots[index], shapes[index] + offset, settings)
             sliders.drive(key, "value", obj, arc.name, hat.corners(knots, index, curve))
         if end.mute:
             return [f"Shape key '{end.name}' is muted, and so are the keys of its arc"]
@@ -140,13 +154,13 @@ class Baking:
     def _write_absolute(self, obj, arc, start, end, knots, shapes):
         keys = obj.data.shape_keys
         others = [key.name for key in keys.key_blocks if key not in (keys.reference_key, start, end)]
-        weights = _mask(obj, end.vertex_group)
+        weights, first_shape = _mask(obj, end.vertex_group), self._ends.first
         offset = max(key.frame for key in keys.key_blocks) + GAP
         keys.use_relative = False
         for knot, shape in zip(knots, shapes, strict=True):
             keys.eval_time = offset + SECOND * knot  # where Blender puts a new absolute key
-            shape = self._first + weights * (shape - self._first)
-            self._key(obj, arc, knot, shape, shape_keys.Settings()).interpolation = "KEY_LINEAR"
+            masked = first_shape + weights * (shape - first_shape)
+            self._key(obj, arc, knot, masked, shape_keys.Settings()).interpolation = "KEY_LINEAR"
         curve = EASINGS[self.asked.easing]
         times = np.array([0.0, 1.0])
         slopes = SECOND * curve.slope(times)

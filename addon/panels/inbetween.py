@@ -2,6 +2,7 @@
 
 import bpy
 
+from .. import ghost
 from ..bridge import arcs, checks, sliders
 from ..properties.inbetween import ArcSettings
 from .common import Sidebar, draw_lines, draw_progress, split_column
@@ -38,6 +39,10 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
         column.prop(settings, "playback")
         column.prop(settings, "slider", placeholder=f"{settings.end} arc" if settings.end else "")
         column.prop(settings, "reroute")
+        layout.prop(settings, "ghost", icon="GHOST_ENABLED" if settings.ghost else "GHOST_DISABLED")
+        shadow = ghost.of(obj)
+        if settings.ghost and shadow is not None and shadow.message:
+            draw_lines(layout, "INFO", shadow.message)
         row = layout.row()
         row.scale_y = 1.4
         bake = row.operator("lissom.inbetween_bake", icon="IPO_EASE_IN_OUT")

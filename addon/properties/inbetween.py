@@ -11,6 +11,7 @@ from bpy.props import (
     StringProperty,
 )
 
+from .. import ghost
 from ..bridge import shape_keys
 from ..core.easing import EASINGS
 from ..core.inbetween import MAX_COUNT
@@ -39,6 +40,17 @@ PLAYBACK_ITEMS = [
 ]
 
 
+def rotation_property(**also):
+    """The option of the same name of lissom.Inbetween."""
+    return EnumProperty(
+        name="Rotation",
+        description="How the turn of every face is chosen",
+        items=ROTATION_ITEMS,
+        default="consistent",
+        **also,
+    )
+
+
 class ArcSettings:
     """Mixin: what the panel, an operator and a baked arc know of how an arc is made."""
 
@@ -62,12 +74,7 @@ class ArcSettings:
         precision=4,
         subtype="DISTANCE",
     )
-    rotation: EnumProperty(
-        name="Rotation",
-        description="How the turn of every face is chosen",
-        items=ROTATION_ITEMS,
-        default="consistent",
-    )
+    rotation: rotation_property()
     easing: EnumProperty(
         name="Easing",
         description="How the slider runs through the arc",
@@ -110,6 +117,11 @@ def ends(settings, context, text):
     return [name for name in (keys.key_blocks.keys() if keys else []) if name not in left_out]
 
 
+def _changed(settings, _):
+    if settings.ghost or ghost.of(settings.id_data) is not None:
+        ghost.ask(settings.id_data)
+
+
 class LissomInbetween(ArcSettings, bpy.types.PropertyGroup):
     """Settings of one mesh object."""
 
@@ -118,13 +130,26 @@ class LissomInbetween(ArcSettings, bpy.types.PropertyGroup):
         description="Shape key that the arc starts at. Empty: the Basis",
         search=ends,
         search_options=set(),
+        update=_changed,
     )
     end: StringProperty(
-        name="To", description="Shape key that the arc ends at", search=ends, search_options=set()
+        name="To",
+        description="Shape key that the arc ends at",
+        search=ends,
+        search_options=set(),
+        update=_changed,
     )
     slider: StringProperty(
         name="Slider",
         description="Name of the slider, and of the baked keys. Empty: named after the key it leads to",
+    )
+    rotation: rotation_property(update=_changed)
+    ghost: BoolProperty(
+        name="Ghost",
+        description="Draw a few steps of the arc over the mesh while its ends and options are being chosen",
+        default=False,
+        options=set(),
+        update=_changed,
     )
     arcs: CollectionProperty(type=LissomArc)
 
