@@ -2,8 +2,9 @@
 
 import bpy
 
-from . import live, rebind
+from . import ghost, live, rebind
 from .operators import (
+    inbetween_arcs,
     inbetween_bake,
     pose_apply,
     pose_bake,
@@ -30,6 +31,7 @@ _OPERATORS = (
     transfer_fit,
     transfer_keys,
     inbetween_bake,
+    inbetween_arcs,
 )
 _PANELS = (pose_panel, transfer_panel, inbetween_panel)  # in the order of the tab
 _CLASSES = [cls for module in (*_PROPERTIES, *_OPERATORS, *_PANELS) for cls in module.classes]
@@ -41,9 +43,11 @@ def register():
     for module in _PROPERTIES:
         module.register()
     live.register()
+    ghost.register()
 
 
 def unregister():
+    ghost.unregister()
     rebind.unregister()
     live.unregister()
     for module in reversed(_PROPERTIES):

@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 
 from ..core.refused import Refused
+from . import animation
 from .meshes import positions
 
 
@@ -113,13 +114,14 @@ def write_points(key, vertices):
 
 
 def remove(obj, name):
-    """Removes a key with its driver; the reference key goes with the last other one."""
+    """Removes a key with what animates it; the reference key goes with the last other one."""
     key = find(obj, name)
-    key.driver_remove("value")
+    animation.remove(key.id_data, key.path_from_id("value"))
     obj.shape_key_remove(key)
 
 
 def is_driven(key):
-    """True where a driver sets the key's value."""
-    data = key.id_data.animation_data
-    return data is not None and data.drivers.find(key.path_from_id("value")) is not None
+    """True where a driver or an animation sets the key's value."""
+    keys, path = key.id_data, key.path_from_id("value")
+    found = animation.driver(keys, path), animation.curve(keys, path)
+    return any(one is not None for one in found) or animation.in_nla(keys, path)

@@ -2,7 +2,6 @@
 
 import bpy
 
-from ..core import hat
 from ..core.refused import Refused
 
 
@@ -27,19 +26,22 @@ def add(obj, slider, description, value=0.0):
     )
 
 
-def drive(key, obj, slider, knots, index):
-    """Drives the value of a key by hat ``index``, drawn as the corners of the driver's own curve.
+def drive(block, path, obj, slider, corners):
+    """Drives a property by the slider, along a curve through corners (core.easing.Corner).
 
     A curve and one variable: no expression, so it plays where Python drivers are not allowed to run, and
     the artist can bend it in the Drivers editor.
     """
-    key.driver_remove("value")
-    curve = key.driver_add("value")
+    block.driver_remove(path)
+    curve = block.driver_add(path)
     while curve.modifiers:  # 4.2 starts a driver with a generator, later versions with two points
         curve.modifiers.remove(curve.modifiers[0])
     curve.keyframe_points.clear()
-    for time, value in hat.points(knots, index):
-        curve.keyframe_points.insert(time, value, options={"FAST"}).interpolation = "LINEAR"
+    curve.keyframe_points.add(len(corners))
+    for point, corner in zip(curve.keyframe_points, corners, strict=True):
+        point.interpolation = "BEZIER"
+        point.handle_left_type = point.handle_right_type = "FREE"
+        point.co, point.handle_left, point.handle_right = corner
     curve.extrapolation = "CONSTANT"
     curve.update()
     driver = curve.driver
@@ -70,13 +72,17 @@ def driven_keys(obj, slider, owners=None):
 
 
 def baked_keys(obj, slider):
-    """Names of the driven keys that the arc of this slider made: others are the artist's own.
+    """Names of the keys that the arc of this slider made, driven by it: others are the artist's own.
 
-    By name and by driver, for a name may have gone over to another key since. A script's copy of object and
-    mesh has its keys driven by the slider of the original, which does not use this mesh: they count too.
+    By name and by driver, for a name may have gone over to another key since; keys of an absolute arc have
+    no drivers. A script's copy of object and mesh has its keys driven by the slider of the original, which
+    does not use this mesh: they count too.
     """
     arc = obj.lissom_inbetween.arcs.get(slider)
     if arc is None:
         return []
+    if arc.playback == "ABSOLUTE":
+        keys = obj.data.shape_keys
+        return [name for name in (keys.key_blocks.keys() if keys else []) if name in arc.keys]
     owners = {other for other in bpy.data.objects if other == obj or other.data != obj.data}
     return [name for name in driven_keys(obj, slider, owners) if name in arc.keys]

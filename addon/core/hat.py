@@ -6,18 +6,28 @@ it keeps its value. At any t the hats add up to 1, so keys weighted by them play
 
 import numpy as np
 
+from .easing import bezier
+
 
 def uniform_knots(count):
     """Knots of ``count`` in-betweens and both ends, (count + 2,): 0, 1/(count+1), ..., 1."""
     return np.linspace(0.0, 1.0, count + 2)
 
 
-def points(knots, index):
-    """The corners of hat ``index`` as (time, value) pairs: at most three, in rising time."""
-    return [
-        (float(knots[i]), 1.0 if i == index else 0.0)
-        for i in range(max(index - 1, 0), min(index + 2, len(knots)))
-    ]
+def corners(knots, index, easing):
+    """Hat ``index`` of an eased slider t, h_i(e(t)), as corners of a Bezier curve: at most three."""
+    around = np.arange(max(index - 1, 0), min(index + 2, len(knots)))
+    near = np.asarray(knots, dtype=np.float64)[around]
+    times = easing.inverse(near)
+    values = (around == index) * 1.0
+    slopes = np.diff(values) / np.diff(near)  # of the hat itself, piece by piece
+    eased = easing.slope(times)
+    return bezier(
+        times,
+        values,
+        np.append(slopes[:1], slopes) * eased,
+        np.append(slopes, slopes[-1:]) * eased,
+    )
 
 
 def weights(knots, times):

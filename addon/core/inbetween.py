@@ -1,15 +1,64 @@
-"""In-betweens of two shapes, sampled at knots."""
+"""In-betweens of two shapes: what is asked for, and the path sampled at knots."""
+
+import warnings
+from dataclasses import dataclass, field
 
 import lissom
+import numpy as np
 
+from . import hat
 from .work import Work
 
+MAX_COUNT = 100  # in-betweens
 
-def path_work(mesh, start, end, knots, options):
-    """Work whose result is the path at the knots (k, n, 3) and warnings; ``mesh``: vertices, triangles."""
+
+@dataclass
+class Asked:
+    """Everything that the artist chooses about an arc."""
+
+    start: str = ""  # shape keys; "" is the reference key
+    end: str = ""
+    slider: str = ""
+    exists: str = "UPDATE"
+    sampling: str = "COUNT"
+    count: int = 5
+    tolerance: float = 0.001  # in scene units
+    rotation: str = "consistent"
+    easing: str = "LINEAR"
+    playback: str = "RELATIVE"
+    reroute: bool = True
+    prepare_keys: bool = True
+
+    @property
+    def options(self):
+        """Those of lissom.Inbetween."""
+        return {"rotation": self.rotation}
+
+    def knots(self, path):
+        """The times of the keys of a lissom.Inbetween, (k,) with 0 and 1 among them."""
+        if self.sampling == "COUNT":
+            return hat.uniform_knots(self.count)
+        return path.keyframes(self.tolerance, MAX_COUNT + 2)
+
+
+@dataclass
+class Sampled:
+    """A path at its knots."""
+
+    knots: np.ndarray  # (k,)
+    shapes: np.ndarray = field(repr=False)  # (k, n, 3)
+    warnings: list
+
+
+def path_work(mesh, start, end, asked):
+    """Work whose result is Sampled; ``mesh``: vertices, triangles; ``start`` and ``end``: (n, 3)."""
 
     def steps():
-        path = yield lissom.start_inbetween(lissom.Mesh(*mesh), start, end, **options)
-        return (yield path.start(knots)), list(path.warnings)
+        path = yield lissom.start_inbetween(lissom.Mesh(*mesh), start, end, **asked.options)
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            knots = np.asarray(asked.knots(path))
+        shapes = yield path.start(knots)
+        return Sampled(knots, shapes, [*path.warnings, *(str(warning.message) for warning in said)])
 
     return Work(steps())

@@ -2,7 +2,9 @@
 
 import bpy
 
-from ..bridge import checks, sliders
+from .. import ghost
+from ..bridge import arcs, checks, sliders
+from ..properties.inbetween import ArcSettings
 from .common import Sidebar, draw_lines, draw_progress, split_column
 
 
@@ -30,31 +32,40 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
             column.prop(settings, "end", icon="SHAPEKEY_DATA")
         else:
             draw_lines(column, "INFO", "This mesh has no shape keys yet")
-        column.prop(settings, "count")
+        column.row().prop(settings, "sampling", expand=True)
+        column.prop(settings, "tolerance" if settings.sampling == "TOLERANCE" else "count")
         column.prop(settings, "rotation")
+        column.prop(settings, "easing")
+        column.prop(settings, "playback")
         column.prop(settings, "slider", placeholder=f"{settings.end} arc" if settings.end else "")
+        column.prop(settings, "reroute")
+        layout.prop(settings, "ghost", icon="GHOST_ENABLED" if settings.ghost else "GHOST_DISABLED")
+        shadow = ghost.of(obj)
+        if settings.ghost and shadow is not None and shadow.message:
+            draw_lines(layout, "INFO", shadow.message)
         row = layout.row()
         row.scale_y = 1.4
         bake = row.operator("lissom.inbetween_bake", icon="IPO_EASE_IN_OUT")
         bake.object = obj.name
-        for name in ("start", "end", "count", "rotation", "slider"):
+        for name in ("start", "end", "slider", *ArcSettings.__annotations__):
             setattr(bake, name, getattr(settings, name))
-        reason = checks.refusal(obj)
+        reason = arcs.refusal(obj)
         if reason:
             draw_lines(layout, "INFO", reason)
         draw_progress(layout, "inbetween")
         self._draw_sliders(layout, obj, settings)
 
     def _draw_sliders(self, layout, obj, settings):
-        arcs = [arc for arc in settings.arcs if arc.name in obj]
-        if not arcs:
+        baked = [arc for arc in settings.arcs if arc.name in obj]
+        if not baked:
             return
         layout.label(text="Sliders:")
-        for arc in arcs:
+        for arc in baked:
             row = layout.row(align=True)
             row.prop(obj, sliders.data_path(arc.name), text=arc.name, slider=True)
-            remove = row.operator("lissom.inbetween_remove", text="", icon="X")
-            remove.object, remove.slider = obj.name, arc.name
+            for action, icon in (("rebake", "FILE_REFRESH"), ("rename", "GREASEPENCIL"), ("remove", "X")):
+                button = row.operator(f"lissom.inbetween_{action}", text="", icon=icon)
+                button.object, button.slider = obj.name, arc.name
 
 
 classes = (LISSOM_PT_inbetween,)

@@ -1,9 +1,20 @@
 """Settings of in-betweens, on the mesh object."""
 
 import bpy
-from bpy.props import CollectionProperty, EnumProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 
+from .. import ghost
 from ..bridge import shape_keys
+from ..core.easing import EASINGS
+from ..core.inbetween import MAX_COUNT
 
 ROTATION_ITEMS = [
     (
@@ -14,20 +25,87 @@ ROTATION_ITEMS = [
     ),
     ("shortest", "Shortest", "Every face turns the short way by itself; for turns below half a turn", 1),
 ]
+SAMPLING_ITEMS = [
+    ("COUNT", "Count", "So many in-betweens, evenly spaced in time", 0),
+    ("TOLERANCE", "Tolerance", "As few as keep every vertex within a distance of the arc", 1),
+]
+PLAYBACK_ITEMS = [
+    ("RELATIVE", "Relative Keys", "The slider drives the baked keys; other keys add to them", 0),
+    (
+        "ABSOLUTE",
+        "Absolute Keys",
+        "The slider drives the evaluation time of absolute shape keys; other keys do not play meanwhile",
+        1,
+    ),
+]
+
+
+def rotation_property(**also):
+    """The option of the same name of lissom.Inbetween."""
+    return EnumProperty(
+        name="Rotation",
+        description="How the turn of every face is chosen",
+        items=ROTATION_ITEMS,
+        default="consistent",
+        **also,
+    )
+
+
+class ArcSettings:
+    """Mixin: what the panel, an operator and a baked arc know of how an arc is made."""
+
+    sampling: EnumProperty(
+        name="Keys", description="What decides the number of keys", items=SAMPLING_ITEMS, default="COUNT"
+    )
+    count: IntProperty(
+        name="In-betweens",
+        description="Shape keys between the two; more follow the arc more closely",
+        default=5,
+        min=1,
+        soft_max=20,
+        max=MAX_COUNT,
+    )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        description="How far the played shape may be from the arc, at any vertex and any time, in the scene",
+        default=0.001,
+        min=1e-7,
+        soft_max=1.0,
+        precision=4,
+        subtype="DISTANCE",
+    )
+    rotation: rotation_property()
+    easing: EnumProperty(
+        name="Easing",
+        description="How the slider runs through the arc",
+        items=[(name, one.label, one.line, number) for number, (name, one) in enumerate(EASINGS.items())],
+        default="LINEAR",
+    )
+    playback: EnumProperty(
+        name="Playback", description="How the keys are played", items=PLAYBACK_ITEMS, default="RELATIVE"
+    )
+    reroute: BoolProperty(
+        name="Take Over Animation",
+        description="Drivers and animation of the end key move to the slider, and drivers that read the key "
+        "read the slider; Remove hands them back",
+        default=True,
+    )
 
 
 class LissomArcKey(bpy.types.PropertyGroup):
     """A baked shape key, by name."""
 
     name: StringProperty(name="Shape Key")
+    time: FloatProperty(name="Time", description="Where on the arc it lies, 0 to 1")
 
 
-class LissomArc(bpy.types.PropertyGroup):
+class LissomArc(ArcSettings, bpy.types.PropertyGroup):
     """A baked arc; its name is that of the slider."""
 
     name: StringProperty(name="Slider")
     start: StringProperty(name="From")
     end: StringProperty(name="To")
+    warnings: StringProperty(name="Warnings", description="What Bake had to say about the arc")
     keys: CollectionProperty(type=LissomArcKey)
 
 
@@ -39,7 +117,12 @@ def ends(settings, context, text):
     return [name for name in (keys.key_blocks.keys() if keys else []) if name not in left_out]
 
 
-class LissomInbetween(bpy.types.PropertyGroup):
+def _changed(settings, _):
+    if settings.ghost or ghost.of(settings.id_data) is not None:
+        ghost.ask(settings.id_data)
+
+
+class LissomInbetween(ArcSettings, bpy.types.PropertyGroup):
     """Settings of one mesh object."""
 
     start: StringProperty(
@@ -47,27 +130,26 @@ class LissomInbetween(bpy.types.PropertyGroup):
         description="Shape key that the arc starts at. Empty: the Basis",
         search=ends,
         search_options=set(),
+        update=_changed,
     )
     end: StringProperty(
-        name="To", description="Shape key that the arc ends at", search=ends, search_options=set()
-    )
-    count: IntProperty(
-        name="In-betweens",
-        description="Shape keys between the two; more follow the arc more closely",
-        default=5,
-        min=1,
-        soft_max=20,
-        max=100,
-    )
-    rotation: EnumProperty(
-        name="Rotation",
-        description="How the turn of every face is chosen",
-        items=ROTATION_ITEMS,
-        default="consistent",
+        name="To",
+        description="Shape key that the arc ends at",
+        search=ends,
+        search_options=set(),
+        update=_changed,
     )
     slider: StringProperty(
         name="Slider",
         description="Name of the slider, and of the baked keys. Empty: named after the key it leads to",
+    )
+    rotation: rotation_property(update=_changed)
+    ghost: BoolProperty(
+        name="Ghost",
+        description="Draw a few steps of the arc over the mesh while its ends and options are being chosen",
+        default=False,
+        options=set(),
+        update=_changed,
     )
     arcs: CollectionProperty(type=LissomArc)
 

@@ -1,5 +1,9 @@
+import itertools
+
 import numpy as np
+import pytest
 from lissom_addon_core import hat
+from lissom_addon_core.easing import EASINGS
 from numpy.testing import assert_allclose, assert_array_equal
 
 KNOTS = [0.0, 0.1, 0.45, 0.8, 1.0]
@@ -19,18 +23,47 @@ def test_weighted_keys_play_the_polygon_through_them():
     assert_allclose(hat.weights(KNOTS, [0.3]) @ keys, [keys[1] + 0.2 / 0.35 * (keys[2] - keys[1])])
 
 
-def test_the_corners_are_those_of_the_hat():
-    times = np.linspace(0, 1, 97)
-    for index in range(5):
-        corner_times, values = zip(*hat.points(KNOTS, index), strict=True)
+def cubic(corners, times):
+    """The Bezier curve through corners, with handles at thirds of each span, at rising times."""
+    values = np.full(len(times), np.nan)
+    for start, end in itertools.pairwise(corners):
+        third = (end.point[0] - start.point[0]) / 3
         assert_allclose(
-            np.interp(times, corner_times, values), hat.weights(KNOTS, times)[:, index], atol=1e-15
+            [start.right[0], end.left[0]], [start.point[0] + third, end.point[0] - third], atol=1e-15
         )
+        s = (times - start.point[0]) / (3 * third)
+        inside = (s >= -1e-12) & (s <= 1 + 1e-12)
+        ordinates = start.point[1], start.right[1], end.left[1], end.point[1]
+        basis = (1 - s) ** 3, 3 * s * (1 - s) ** 2, 3 * s**2 * (1 - s), s**3
+        values[inside] = sum(b * y for b, y in zip(basis, ordinates, strict=True))[inside]
+    return values
+
+
+@pytest.mark.parametrize("name", EASINGS)
+def test_the_corners_hold_the_eased_hat_exactly(name):
+    easing, times = EASINGS[name], np.linspace(0, 1, 97)
+    expected = hat.weights(KNOTS, easing.value(times))
+    for index in range(5):
+        corners = hat.corners(KNOTS, index, easing)
+        inside = (times >= corners[0].point[0]) & (times <= corners[-1].point[0])
+        assert_allclose(cubic(corners, times[inside]), expected[inside, index], atol=1e-14)
+        assert not expected[~inside, index].any()
+
+
+@pytest.mark.parametrize("name", EASINGS)
+def test_an_easing_runs_from_0_to_1_and_back(name):
+    easing, times = EASINGS[name], np.linspace(0, 1, 97)
+    values = easing.value(times)
+    assert (values[0], values[-1]) == (0, 1)
+    assert (np.diff(values) > 0).all()
+    assert_allclose(easing.inverse(values), times, atol=1e-7)
+    assert_allclose(easing.slope(times), np.gradient(values, times, edge_order=2), atol=2e-3)
 
 
 def test_the_first_and_the_last_hat_have_two_corners():
-    assert hat.points(KNOTS, 0) == [(0.0, 1.0), (0.1, 0.0)]
-    assert hat.points(KNOTS, 4) == [(0.8, 0.0), (1.0, 1.0)]
+    linear = EASINGS["LINEAR"]
+    assert [corner.point for corner in hat.corners(KNOTS, 0, linear)] == [(0.0, 1.0), (0.1, 0.0)]
+    assert [corner.point for corner in hat.corners(KNOTS, 4, linear)] == [(0.8, 0.0), (1.0, 1.0)]
 
 
 def test_uniform_knots_count_the_in_betweens_only():

@@ -1,12 +1,16 @@
 """In-between: Bake, and what the slider then plays."""
 
+import time
+
 import bpy
 import lissom
 import numpy as np
 import pytest
 import scene
-from bl_ext.user_default.lissom.bridge import meshes
+from bl_ext.user_default.lissom.bridge import arcs, meshes
 from bl_ext.user_default.lissom.core import hat
+from bl_ext.user_default.lissom.core.inbetween import Asked
+from bl_ext.user_default.lissom.core.refused import Refused
 from bl_ext.user_default.lissom.properties import inbetween as properties
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -46,9 +50,9 @@ def slide(obj, slider, value):
 def assert_plays(obj, slider, path, atol=1e-5):
     """The slider shows the path at the knots, and straight lines between them."""
     shapes = path.at(KNOTS)
-    for time in [*KNOTS, 0.05, 0.31, 0.77, 0.99]:
-        slide(obj, slider, time)
-        expected = np.tensordot(hat.weights(KNOTS, time)[0], shapes, axes=1)
+    for value in [*KNOTS, 0.05, 0.31, 0.77, 0.99]:
+        slide(obj, slider, value)
+        expected = np.tensordot(hat.weights(KNOTS, value)[0], shapes, axes=1)
         assert_allclose(scene.shown(obj), expected, atol=atol)
 
 
@@ -79,7 +83,7 @@ def test_row_33_a_relative_key_that_is_not_the_basis():
     both = scene.shown(obj)
     assert_allclose(both, scene.key_points(obj, "full"), atol=1e-5)
     bpy.ops.lissom.inbetween_bake(object="Tube", start="half", end="full", count=COUNT)
-    assert all(key.relative_key == keys["half"] for key in keys if key.name.startswith("full arc"))
+    assert all(key.relative_key == keys["Basis"] for key in keys if key.name.startswith("full arc"))
     slide(obj, "full arc", 1.0)
     assert_allclose(scene.shown(obj), both, atol=1e-5)
 
@@ -224,6 +228,7 @@ def test_a_driver_without_its_slider_is_said(capfd):
     obj = keyed_tube()
     bpy.ops.lissom.inbetween_bake(object="Tube", end="full", slider="arc")
     drive(obj.data.shape_keys.key_blocks["half"], obj, "arc")
+    obj.lissom_inbetween.arcs["arc"].reroute = False
     bpy.ops.lissom.inbetween_remove(object="Tube", slider="arc")
     assert "The driver of shape key 'half' has lost its slider 'arc'" in capfd.readouterr().out
 
@@ -377,3 +382,79 @@ def test_the_key_that_shows_a_live_pose_is_not_offered():
     scene.add_key(obj, "Lissom Pose", scene.points(obj.data.vertices))  # the artist's own, of that name
     assert properties.ends(obj.lissom_inbetween, bpy.context, "") == ["Basis", "K", "Lissom Pose"]
     assert properties.ends(scene.tube(name="Bare").lissom_inbetween, bpy.context, "") == []
+
+
+def test_row_6_points_on_one_line():
+    obj = keyed_tube()
+    for key in obj.data.shape_keys.key_blocks:
+        for index, point in enumerate(key.data):
+            point.co = (index, 0, 0)
+    with scene.refused("vertices"):
+        bpy.ops.lissom.inbetween_bake(object="Tube", end="full")
+
+
+def test_row_7_faces_without_area_are_said_and_the_arc_is_finite(capfd):
+    obj = keyed_tube()
+    for key in obj.data.shape_keys.key_blocks:
+        key.data[40].co = key.data[0].co  # the faces between the first two rings lose a side
+        key.data[41].co = key.data[1].co
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=1)
+    assert "without area" in capfd.readouterr().out
+    slide(obj, "full arc", 0.5)
+    assert np.isfinite(scene.shown(obj)).all()
+    assert np.abs(scene.shown(obj)).max() < 10
+
+
+def test_row_37_a_mirror_image_is_said(capfd):
+    obj = keyed_tube()
+    scene.add_key(obj, "mirrored", scene.key_points(obj, "Basis") * [-1, 1, 1])
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="mirrored", count=1)
+    assert "mirror image of the start" in capfd.readouterr().out
+    slide(obj, "mirrored arc", 1.0)
+    assert_allclose(scene.shown(obj), scene.key_points(obj, "mirrored"), atol=1e-5)
+
+
+class Running:
+    """An operator between ``begin`` and ``finish``, as the timer has it."""
+
+    def __init__(self, obj, **settings):
+        self.baking = arcs.Baking(obj, Asked(end="full", **settings))
+
+    def finish(self):
+        return self.baking.write(self.baking.work.wait())
+
+
+def test_row_40_cancelled_nothing_is_changed():
+    obj = keyed_tube()
+    before = scene.snapshot()
+    running = Running(obj, sampling="TOLERANCE")
+    running.baking.work.cancel()
+    started = time.monotonic()
+    with pytest.raises(lissom.Cancelled):
+        running.baking.work.poll()
+    assert time.monotonic() - started < 0.2
+    assert scene.snapshot() == before
+
+
+def test_row_42_the_object_or_an_end_is_gone_meanwhile():
+    obj = keyed_tube()
+    running = Running(obj)
+    obj.shape_key_remove(obj.data.shape_keys.key_blocks["full"])
+    before = scene.snapshot()
+    with pytest.raises(Refused, match="no shape key named 'full'"):
+        running.finish()
+    assert scene.snapshot() == before
+    scene.add_key(obj, "full", scene.key_points(obj, "half"))
+    running = Running(obj)
+    bpy.data.objects.remove(obj)
+    with pytest.raises(Refused, match="'Tube' is gone: nothing was changed"):
+        running.finish()
+
+
+def test_row_42_the_slider_is_taken_by_another_meanwhile():
+    obj = keyed_tube()
+    running = Running(obj)
+    obj["full arc"] = "mine"
+    with pytest.raises(Refused, match="custom property of another kind"):
+        running.finish()
+    assert obj["full arc"] == "mine"

@@ -8,6 +8,7 @@ import scene
 from bl_ext.user_default.lissom import session
 from bl_ext.user_default.lissom.core.pose_options import METHODS, by_name, options_of
 from bl_ext.user_default.lissom.core.work import Work
+from bl_ext.user_default.lissom.properties.inbetween import ArcSettings
 
 FUNCTIONS = bpy.types.UILayout.bl_rna.functions
 ICONS = {item.identifier for item in FUNCTIONS["label"].parameters["icon"].enum_items}
@@ -240,19 +241,23 @@ def test_rows_of_markers_and_keys():
     assert "lissom.marker_load" in draw(bpy.types.LISSOM_MT_markers)["operators"]
 
 
+ARC = ("start", "end", "slider", *ArcSettings.__annotations__)
+
+
 def test_inbetween_passes_its_settings_on_and_shows_sliders(panels):
     obj = scene.tube()
     assert "no shape keys yet" in text(draw(panels["inbetween"]))
     scene.add_key(obj, "K", scene.points(obj.data.vertices) * [1, 1, 2])
     obj.lissom_inbetween.end = "K"
     (given,) = draw(panels["inbetween"])["operators"]["lissom.inbetween_bake"]
-    assert given == {
-        "object": "Tube", "start": "", "end": "K", "count": 5, "rotation": "consistent", "slider": "",
-    }  # fmt: skip
+    settings = obj.lissom_inbetween
+    assert given == {"object": "Tube"} | {name: getattr(settings, name) for name in ARC}
     bpy.ops.lissom.inbetween_bake(**given)
     drawn = draw(panels["inbetween"])
     assert "K arc" in drawn["labels"]
-    assert drawn["operators"]["lissom.inbetween_remove"] == [{"object": "Tube", "slider": "K arc"}]
+    for action in ("rebake", "rename", "remove"):
+        given = drawn["operators"][f"lissom.inbetween_{action}"]
+        assert given == [{"object": "Tube", "slider": "K arc"}]
 
 
 def test_work_is_shown_in_its_own_panel_only(panels, monkeypatch):
