@@ -59,8 +59,7 @@ impl Blend {
             frames.push(shape_frame(&format!("shapes[{k}]"), &mesh, shape)?);
         }
         let scale = frames.iter().map(|frame| frame.scale).fold(0.0, f64::max);
-        let shapes: Vec<Vec<Vec3>> =
-            std::iter::once(start.to_vec()).chain(shapes.iter().cloned()).collect();
+        let shapes: Vec<Vec<Vec3>> = std::iter::once(start.to_vec()).chain(shapes.iter().cloned()).collect();
         let unit: Vec<Vec<Vec3>> = (shapes.iter().zip(&frames))
             .map(|(shape, frame)| shape.iter().map(|&p| (p - frame.center) / scale).collect())
             .collect();
@@ -70,7 +69,8 @@ impl Blend {
             job.report(k as f64 / unit.len() as f64, "rotations");
             job.check()?;
             let share = 1.0 / unit.len() as f64;
-            for (sum, w) in weights.iter_mut().zip(TriangleGeometry::of(shape, mesh.triangles()).half_cotangents)
+            for (sum, w) in
+                weights.iter_mut().zip(TriangleGeometry::of(shape, mesh.triangles()).half_cotangents)
             {
                 (0..3).for_each(|c| sum[c] += share * w[c]);
             }
@@ -151,7 +151,7 @@ impl Blend {
             };
             (0..shapes[0].len()).map(at).collect()
         };
-        let asked = [Asked { hats, rotations, line: sum(&self.unit) }];
+        let asked = [Asked { hats, rotations, line: sum(&self.unit), drift: Vec::new() }];
         let y = self.elements.stitch(&asked, self.refinement, |t| self.turning[t], job)?.remove(0);
         let x: Vec<Vec3> = sum(&self.shapes).iter().zip(y).map(|(&x, y)| x + y * self.scale).collect();
         if x.iter().all(|p| p.is_finite()) {

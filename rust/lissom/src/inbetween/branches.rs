@@ -76,7 +76,6 @@ impl Turn {
         if self.swing == Vec3::ZERO { main } else { main * rotation::exp(self.swing * t) }
     }
 
-
     /// The way to `r` nearest to this one.
     fn lift(&self, r: Mat3) -> Self {
         let q = glam::DQuat::from_mat3(&r);

@@ -132,8 +132,7 @@ impl Clearance {
                     touched[c] = true;
                 }
             }
-            let fixed =
-                |v: usize| held[v].is_some() || still(v) || component(v).is_none_or(|c| !touched[c]);
+            let fixed = |v: usize| held[v].is_some() || still(v) || component(v).is_none_or(|c| !touched[c]);
             let mut given = Columns::zeros(y.len(), 3);
             for (v, d) in held.iter().enumerate() {
                 if let Some(d) = d {

@@ -35,7 +35,7 @@ pub(super) struct Elements {
     pub laplacian: SymmetricMatrix,
     pub system: ConstrainedSystem,
     /// The vertices of each component that nothing holds.
-    afloat: Vec<Vec<u32>>,
+    pub afloat: Vec<Vec<u32>>,
 }
 
 /// What one shape asks for.
@@ -45,6 +45,8 @@ pub(super) struct Asked<S> {
     pub rotations: Vec<Mat3>,
     /// The straight blend of the shapes, in unit coordinates.
     pub line: Vec<Vec3>,
+    /// Of each component afloat, where its centroid is off the straight line; none of them where empty.
+    pub drift: Vec<Vec3>,
 }
 
 impl Elements {
@@ -79,7 +81,7 @@ impl Elements {
     ) -> Result<Vec<Vec<Vec3>>> {
         let mut shapes = self.lift(asked.iter().map(|a| self.divergence(a, &a.rotations)), job)?;
         if rounds == 0 {
-            return Ok(self.finished(shapes));
+            return Ok(self.finished(asked, shapes));
         }
         let mut memories: Vec<Lbfgs> = asked.iter().map(|_| Lbfgs::default()).collect();
         // The last step of each, by what it may be replaced with, and the energy before it.
@@ -114,7 +116,7 @@ impl Elements {
                 }
             }
         }
-        Ok(self.finished(shapes))
+        Ok(self.finished(asked, shapes))
     }
 
     /// Solves for several right-hand sides at once.
@@ -178,9 +180,12 @@ impl Elements {
         // |e(x) - R s|^2 summed is y.L y - 2 y.b but for what does not depend on y: R s has the same weighted
         // length whatever R, and what remains of the line is in the second term.
         let smooth = dot(y, &self.product(y));
-        let line = self.mesh.triangles().par_iter().zip(&corners).map(|(corners, b)| {
-            (0..3).map(|c| asked.line[corners[c] as usize].dot(b[c])).sum::<f64>()
-        });
+        let line = self
+            .mesh
+            .triangles()
+            .par_iter()
+            .zip(&corners)
+            .map(|(corners, b)| (0..3).map(|c| asked.line[corners[c] as usize].dot(b[c])).sum::<f64>());
         let line: Vec<f64> = line.collect();
         (b.clone(), smooth - 2.0 * dot(y, &b) - 2.0 * line.iter().sum::<f64>())
     }
@@ -204,16 +209,16 @@ impl Elements {
             .collect()
     }
 
-    fn finished(&self, shapes: Vec<Vec<Vec3>>) -> Vec<Vec<Vec3>> {
-        shapes.into_iter().map(|y| self.centred(y)).collect()
+    fn finished<S>(&self, asked: &[Asked<S>], shapes: Vec<Vec<Vec3>>) -> Vec<Vec<Vec3>> {
+        asked.iter().zip(shapes).map(|(a, y)| self.centred(&a.drift, y)).collect()
     }
 
-    /// Moves every component that nothing holds so that its centroid is on its straight line, and welded
+    /// Moves every component that nothing holds so that its centroid is off its straight line by its `drift`, and welded
     /// vertices with those that they are welded to.
-    pub fn centred(&self, mut y: Vec<Vec3>) -> Vec<Vec3> {
-        for vertices in &self.afloat {
+    pub fn centred(&self, drift: &[Vec3], mut y: Vec<Vec3>) -> Vec<Vec3> {
+        for (k, vertices) in self.afloat.iter().enumerate() {
             let sum: Vec3 = vertices.iter().map(|&v| y[v as usize]).sum();
-            let off = sum / vertices.len() as f64;
+            let off = sum / vertices.len() as f64 - drift.get(k).copied().unwrap_or_default();
             for &v in vertices {
                 y[v as usize] -= off;
             }

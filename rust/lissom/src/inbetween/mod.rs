@@ -31,17 +31,19 @@
 //! | `stretch` | `S(t)`: in equal steps or by equal factors |
 //! | `path` | `x(t)`: all of these at a time |
 //! | `elements` | the stitch, and rotations refitted to it |
+//! | `drift` | where components go that nothing holds |
 //! | `volume`, `clearance` | the volume kept, an obstacle respected |
 //! | `keyframes` | the fewest times between which a straight line will do |
 //! | `route` | a path through several shapes |
 //! | `blend` | several shapes at once |
 //!
 //! Vertices in the same place at both ends stay there exactly; a connected component without such
-//! a vertex has its centroid move straight.
+//! a vertex turns about the axis of its rigid motion (`drift`).
 
 mod blend;
 mod branches;
 mod clearance;
+mod drift;
 mod elements;
 mod keyframes;
 mod path;
@@ -62,6 +64,7 @@ use crate::operators::hats_of;
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
 use branches::{Neighbours, Turn};
 use clearance::Clearance;
+use drift::Drift;
 use elements::{Elements, Hats};
 use relative::Relative;
 use volume::Volumes;
@@ -135,6 +138,8 @@ pub struct Inbetween {
     /// Triangles with a rotation of their own.
     turning: Vec<bool>,
     still: Vec<bool>,
+    /// Of each component afloat.
+    drifts: Vec<Drift>,
     volumes: Option<Volumes>,
     clearance: Option<Clearance>,
     warnings: Vec<String>,
@@ -224,6 +229,9 @@ impl Inbetween {
         let elements = Elements::new(mesh.clone(), &weights, &still, job)?;
         warnings.extend(elements.system.factor().is_regularized().then(|| REGULARIZED.into()));
         let ends: Vec<Mat3> = turns.par_iter().map(|turn| turn.at(1.0)).collect();
+        let apart = (order[1].1.center - order[0].1.center) / scale;
+        let drift = |vertices: &Vec<u32>| Drift::of(vertices, &a, &b, apart);
+        let drifts = elements.afloat.iter().map(drift).collect();
         let relative = match options.rotation {
             Rotation::Relative => Some(Relative::new(&mesh, &ends, tree, job)?),
             Rotation::Consistent | Rotation::Shortest => None,
@@ -253,6 +261,7 @@ impl Inbetween {
             stretches,
             turning,
             still,
+            drifts,
             volumes,
             clearance,
             warnings,

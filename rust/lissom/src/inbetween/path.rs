@@ -81,7 +81,7 @@ impl Inbetween {
         for ((&t, asked), y) in times.iter().zip(&asked).zip(&mut arcs) {
             if let Some(volumes) = &self.volumes {
                 volumes.restore(&self.elements, &asked.line, y, self.inner_time(t), job)?;
-                *y = self.elements.centred(std::mem::take(y));
+                *y = self.elements.centred(&asked.drift, std::mem::take(y));
             }
             if let Some(clearance) = &self.clearance
                 && t > 0.0
@@ -108,6 +108,7 @@ impl Inbetween {
             (stretched, [0, 1, 2].map(|c| start[c] * (1.0 - t) + end[c] * t))
         };
         let line = self.unit[0].iter().zip(&self.unit[1]).map(|(&p, &q)| p + (q - p) * t).collect();
-        Ok(Asked { hats, rotations, line })
+        let drift = self.drifts.iter().map(|drift| drift.at(t)).collect();
+        Ok(Asked { hats, rotations, line, drift })
     }
 }

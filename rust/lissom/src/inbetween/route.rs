@@ -33,7 +33,9 @@ impl Route {
         knots.extend(through.iter().map(|(t, _)| *t));
         knots.push(1.0);
         let late = (1..=through.len()).filter(|&k| !(knots[k - 1] < knots[k] && knots[k] < 1.0));
-        if let Some(fault) = Fault::at("through", "times that do not ascend between 0 and 1", late.map(|k| k - 1)) {
+        if let Some(fault) =
+            Fault::at("through", "times that do not ascend between 0 and 1", late.map(|k| k - 1))
+        {
             return Err(Error::InvalidValue(fault));
         }
         if options.clearance.as_ref().is_some_and(|c| c.end.is_some()) && !through.is_empty() {
