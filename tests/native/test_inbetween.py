@@ -463,19 +463,20 @@ def test_an_obstacle_must_be_closed_and_may_move():
     with pytest.raises(TypeError, match="clearance: expected a lissom"):
         lissom.Inbetween(mesh, start, end, clearance=start)
     points, sides = ball(np.zeros(3), 0.5, 24, 48)
-    # A sheet that stays where it is, and a ball that comes up under it from one key to the other.
-    x, y = np.meshgrid(np.linspace(-2, 2, 41), np.linspace(-2, 2, 41), indexing="ij")
-    flat = np.stack([x, y, 0 * x], -1).reshape(-1, 3)
-    lifted = flat + [0, 0, 1] * np.exp(-2 * (flat**2).sum(1, keepdims=True)) * (np.abs(flat[:, :1]) < 1.9)
-    path = lissom.Inbetween(
-        lissom.Mesh(flat, grid_faces(41, 41)),
-        flat,
-        lifted,
-        clearance=lissom.Mesh(points - [0, 0, 0.51], sides),
-        clearance_end=points + [0, 0, 0.49],
+    # A ball that goes along under a sheet, which makes room for it at both ends.
+    x, y = (p.ravel() for p in np.meshgrid(np.linspace(-2, 2, 41), np.linspace(-2, 2, 41), indexing="ij"))
+    bumps = ((x - at) ** 2 + y**2 for at in (-0.8, 0.8))
+    start, end = (
+        np.column_stack([x, y, h * np.exp(-0.8 * r)]) for h, r in zip((1, 1.05), bumps, strict=True)
     )
-    shape = path.at([0.5])[0]
-    assert np.linalg.norm(shape - [0, 0, -0.01], axis=1).min() > 0.5 - 2e-3
+    mesh, way = lissom.Mesh(start, grid_faces(41, 41)), np.array([0.8, 0, 0])
+    middle = np.array([0, 0, 0.49])
+    obstacle = lissom.Mesh(middle - way + points, sides)
+    options = {"clearance": obstacle, "clearance_end": middle + way + points}
+    plain, held = (lissom.Inbetween(mesh, start, end, **o).at([0.5])[0] for o in ({}, options))
+    assert np.linalg.norm(plain - middle, axis=1).min() < 0.3
+    # What the facets of the ball are off the sphere.
+    assert np.linalg.norm(held - middle, axis=1).min() > 0.5 - 3e-3
 
 
 def test_the_surveys_twisted_bar_loses_no_volume(data):

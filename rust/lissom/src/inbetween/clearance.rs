@@ -16,7 +16,6 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
-use super::elements::Elements;
 use super::{Inbetween, InbetweenOptions, Rotation};
 use crate::linear::{Columns, ConstrainedSystem, Constraints};
 use crate::transfer::closest::Surface;
@@ -86,28 +85,20 @@ impl Clearance {
         }
     }
 
-    /// Moves `y` so that no vertex is too deep; `place` makes positions of it, in the mesh's own units.
+    /// Moves `y` so that no vertex of `path` is too deep at time `t`.
     ///
     /// # Errors
     ///
     /// [`Error::Cancelled`], [`Error::SolveFailed`].
-    pub fn keep(
-        &self,
-        elements: &Elements,
-        t: f64,
-        scale: f64,
-        still: impl Fn(usize) -> bool + Sync,
-        place: impl Fn(&[Vec3]) -> Vec<Vec3>,
-        y: &mut [Vec3],
-        job: &Job,
-    ) -> Result<()> {
+    pub fn keep(&self, path: &Inbetween, t: f64, y: &mut [Vec3], job: &Job) -> Result<()> {
+        let (elements, still) = (&path.elements, |v: usize| path.still[v]);
         let surface = Surroundings::of(&self.obstacle, &self.at(t, job)?);
         let mesh = &*elements.mesh;
         let from = y.to_vec();
         let mut held: Vec<Option<Vec3>> = vec![None; y.len()];
         for _ in 0..ROUNDS {
             job.check()?;
-            let x = place(y);
+            let x = path.shape(t, y);
             let offending = |v: usize| {
                 if held[v].is_some() || still(v) || mesh.representative(v as u32) != v as u32 {
                     return None;
@@ -122,7 +113,7 @@ impl Clearance {
                 return Ok(());
             }
             for (v, back) in offenders {
-                held[v] = Some(y[v] + back / scale - from[v]);
+                held[v] = Some(y[v] + back / path.scale - from[v]);
             }
             // Components that nobody in offends stay as they are.
             let mut touched = vec![false; mesh.components().count()];

@@ -51,7 +51,7 @@ impl Inbetween {
     }
 
     /// The position on the straight line plus the arc's distance from it.
-    fn shape(&self, t: f64, arc: &[Vec3]) -> Vec<Vec3> {
+    pub(super) fn shape(&self, t: f64, arc: &[Vec3]) -> Vec<Vec3> {
         let [a, b] = &self.shapes;
         let (start, end) = if self.reversed { (b, a) } else { (a, b) };
         if t == 0.0 {
@@ -87,8 +87,7 @@ impl Inbetween {
                 && t > 0.0
                 && t < 1.0
             {
-                let (still, place) = (|v: usize| self.still[v], |y: &[Vec3]| self.shape(t, y));
-                clearance.keep(&self.elements, t, self.scale, still, place, y, job)?;
+                clearance.keep(self, t, y, job)?;
             }
         }
         Ok(arcs)
