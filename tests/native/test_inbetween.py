@@ -1,11 +1,13 @@
-"""In-betweens: exactness, symmetry, known turns, real poses, the fewest keys."""
+"""In-betweens: exactness, symmetry, known turns, real poses, the fewest keys, several shapes, obstacles."""
 
 from itertools import pairwise
 
 import lissom
 import numpy as np
 import pytest
-from shapes import diagonal, grid_faces, moved, rigid, soup, tube
+from faces import triangulate
+from figures import volume
+from shapes import diagonal, grid_faces, moved, prism, rigid, soup, tube
 
 
 def edges(faces):
@@ -52,12 +54,16 @@ def test_the_way_back_is_the_same_path(rotation):
 
 def test_a_rigid_motion_is_interpolated_as_that_rotation():
     start, faces = tube()
-    axis, angle = (1, 2, -1), np.radians(170)
-    end = moved(rigid(axis, angle, (3, 0, 1)), start)
+    axis, angle, pivot = (1, 2, -1), np.radians(170), np.array([3.0, 0.5, 1.0])
+    along = np.array(axis) * 0.7
+
+    def turned(t):
+        return moved(rigid(axis, t * angle, pivot + t * along), start - pivot)
+
+    end = turned(1)
     path = lissom.Inbetween(lissom.Mesh(start, faces), start, end)
     for t, x in zip([0.25, 0.5, 0.8], path.at([0.25, 0.5, 0.8]), strict=True):
-        centre = (1 - t) * start.mean(0) + t * end.mean(0)
-        known = moved(rigid(axis, t * angle, centre), start - start.mean(0))
+        known = turned(t)
         assert np.abs(x - known).max() < 1e-8 * diagonal(start)
         assert edge_error(faces, start, end, x) < 1e-8
 
@@ -236,3 +242,275 @@ def test_a_path_and_its_shapes_as_jobs():
         lissom.start_inbetween(mesh, vertices, turned, rotation="widest")
     with pytest.raises(lissom.InvalidValue, match="max_keys: must not be negative, got -1"):
         path.keyframes(0.1, max_keys=-1)
+
+
+OPTIONS = [
+    {"rotation": "relative"},
+    {"refinement": 3},
+    {"stretch": "logarithmic"},
+    {"rotation": "relative", "stretch": "logarithmic", "refinement": 2, "preserve_volume": True},
+]
+
+
+@pytest.mark.parametrize("options", OPTIONS)
+def test_every_option_keeps_the_ends_and_the_way_back(options):
+    start, faces, end = twisted_tube()
+    mesh, t = lissom.Mesh(start, faces), np.array([0.0, 1e-9, 0.2, 0.5, 0.7, 1 - 1e-9, 1.0])
+    there = lissom.Inbetween(mesh, start, end, **options).at(t)
+    back = lissom.Inbetween(mesh, end, start, **options).at(1 - t)
+    assert np.abs(there - back).max() < 1e-8 * diagonal(start)
+    assert np.array_equal(there[0], start)
+    assert np.array_equal(there[-1], end)
+    assert np.abs(there[1] - start).max() < 1e-6
+    assert np.abs(there[-2] - end).max() < 1e-6
+
+
+# The error of the edge lengths half way, refined; published tetrahedral code leaves 0.042 and 0.117.
+@pytest.mark.parametrize(("pose", "bound"), [(5, 0.011), (7, 0.018)])
+@pytest.mark.parametrize("rotation", ["consistent", "relative"])
+def test_cat_refined(data, pose, bound, rotation):
+    cat = data("cat_lion")
+    start, faces = cat["cat_reference"].astype(float), cat["cat_faces"]
+    end = cat["cat_poses"][pose - 1].astype(float)
+    mesh = lissom.Mesh(start, faces)
+    there = lissom.Inbetween(mesh, start, end, rotation, refinement=16).at([1 / 6, 0.5])
+    assert edge_error(faces, start, end, there[1]) <= bound
+    back = lissom.Inbetween(mesh, end, start, rotation, refinement=16).at([5 / 6, 0.5])
+    assert np.abs(there - back).max() < 1e-8 * diagonal(start)
+
+
+def test_logarithmic_stretch_grows_by_the_same_factor_in_equal_times():
+    start, faces = tube()
+    end = moved(rigid((1, 1, 0), 1.0), start * 9)
+    mesh = lissom.Mesh(start, faces)
+    size = {
+        stretch: np.sqrt(lissom.Inbetween(mesh, start, end, stretch=stretch).at([0.5])[0].var(0).sum())
+        for stretch in ("linear", "logarithmic")
+    }
+    own = np.sqrt(start.var(0).sum())
+    assert size["linear"] == pytest.approx(5 * own, rel=1e-9)
+    assert size["logarithmic"] == pytest.approx(3 * own, rel=1e-9)
+
+
+def test_a_path_through_more_shapes_hits_them():
+    start, faces, end = twisted_tube()
+    middle = moved(rigid((0, 0, 1), 0.4), start) * 1.1
+    mesh = lissom.Mesh(start, faces)
+    path = lissom.Inbetween(mesh, start, end, through=[(0.3, middle)])
+    legs = lissom.Inbetween(mesh, start, middle), lissom.Inbetween(mesh, middle, end)
+    x = path.at([0.0, 0.15, 0.3, 0.65, 1.0])
+    assert all(np.array_equal(x[k], shape) for k, shape in ((0, start), (2, middle), (4, end)))
+    assert np.abs(x[1] - legs[0].at([0.5])[0]).max() < 1e-12
+    assert np.abs(x[3] - legs[1].at([0.5])[0]).max() < 1e-12
+    times = path.keyframes(0.1)
+    assert 0.3 in times
+    assert playback_error(path, times) <= 0.1
+    assert len(path.keyframes(count=6)) == 6
+    with pytest.warns(RuntimeWarning, match="max_keys"):
+        assert len(path.keyframes(0.01, max_keys=5)) == 5
+    with pytest.raises(lissom.InvalidValue, match="count: less than 3: every shape is a key"):
+        path.keyframes(count=2)
+    for times in ([0.5, 0.5], [0.0], [1.0], [0.6, 0.4], [np.nan]):
+        with pytest.raises(lissom.InvalidValue, match="through: times that do not ascend"):
+            lissom.Inbetween(mesh, start, end, through=[(t, middle) for t in times])
+    with pytest.raises(lissom.InvalidValue, match=r"through\[0\]: not finite"):
+        lissom.Inbetween(mesh, start, end, through=[(0.5, middle * np.nan)])
+    with pytest.raises(TypeError, match="through"):
+        lissom.Inbetween(mesh, start, end, through=[middle])
+
+
+def test_a_blend_adds_turns_where_offsets_collapse():
+    start, faces = prism(rows=80, columns=24, length=12)
+    inner = slice(0, 80 * 24)
+
+    def bent(angle):
+        radius, x = 12 / angle, start[:, 0] * angle / 12
+        out = radius - start[:, 1]
+        return np.column_stack([out * np.sin(x), radius - out * np.cos(x), start[:, 2]])
+
+    one, two = bent(np.pi / 2), bent(np.pi)
+    blend = lissom.Blend(lissom.Mesh(start, faces), start, [one, one])
+    assert np.array_equal(blend.at([0, 0]), start)
+    assert np.array_equal(blend.at([1, 0]), one)
+    near = blend.at([0.5, 0.5])
+    assert np.abs(near - one).max() < 1e-9
+    both = blend.at([1, 1])
+    offset = both.mean(0) - two.mean(0)
+    assert np.abs(both - offset - two)[inner].max() < 0.05 * 12
+    assert edge_error(faces, two, two, both) < 0.02
+    assert edge_error(faces, two, two, 2 * one - start) > 0.2
+    with pytest.raises(lissom.InvalidValue, match="weights: has 1 values, there are 2 shapes"):
+        blend.at([1])
+    with pytest.raises(lissom.InvalidValue, match=r"weights: not finite \(at 1; 1 in all\)"):
+        blend.at([1, np.nan])
+    with pytest.raises(lissom.InvalidValue, match=r"shapes\[1\]: not finite"):
+        lissom.Blend(lissom.Mesh(start, faces), start, [one, one * np.nan])
+
+
+def fewest_by_trying(path, tolerance, steps):
+    """The least number of keys on a grid of times, by all pairs of them."""
+    fine = 4
+    shapes = path.at(np.linspace(0, 1, fine * steps + 1))
+    reach = [0] + [steps + 2] * steps
+    for b in range(1, steps + 1):
+        for a in range(b):
+            share = np.linspace(0, 1, fine * (b - a) + 1)[:, None, None]
+            line = (1 - share) * shapes[fine * a] + share * shapes[fine * b]
+            if np.linalg.norm(shapes[fine * a : fine * b + 1] - line, axis=2).max() <= tolerance:
+                reach[b] = min(reach[b], reach[a] + 1)
+    return reach[steps] + 1
+
+
+@pytest.mark.parametrize("tolerance", [0.4, 0.15, 0.05])
+def test_keyframes_are_the_fewest_and_a_count_has_the_least_error(tolerance):
+    start, faces, end = twisted_tube()
+    end[:, 1] += np.sin(start[:, 0]) * np.linspace(0, 2, len(end))
+    path = lissom.Inbetween(lissom.Mesh(start, faces), start, end)
+    times = path.keyframes(tolerance)
+    assert len(times) <= fewest_by_trying(path, tolerance, 48)
+    assert playback_error(path, list(times)) <= tolerance
+    by_count = path.keyframes(count=len(times))
+    assert len(by_count) == len(times)
+    assert playback_error(path, list(by_count)) <= tolerance * 1.001
+    assert playback_error(path, list(path.keyframes(count=len(times) - 1))) > tolerance
+    for arguments in ({}, {"tolerance": 1.0, "count": 3}):
+        with pytest.raises(TypeError, match="either tolerance or count"):
+            path.keyframes(**arguments)
+
+
+def lid():
+    """A strip of a sphere that turns by 100 degrees about the axis of the sphere, which is x."""
+    turn, across = np.meshgrid(
+        np.radians(np.linspace(-10, 30, 41)), np.linspace(-1.1, 1.1, 51), indexing="ij"
+    )
+    ring = np.cos(across)
+    start = np.stack([np.sin(across), ring * np.cos(turn), ring * np.sin(turn)], -1).reshape(-1, 3)
+    return start, grid_faces(41, 51), moved(rigid((1, 0, 0), np.radians(100)), start)
+
+
+def test_a_lid_stays_on_its_ball():
+    start, faces, end = lid()
+    assert 1 - np.linalg.norm((start + end) / 2, axis=1).min() > 0.35
+    path = lissom.Inbetween(lissom.Mesh(start, faces), start, end)
+    radii = np.linalg.norm(path.at(np.linspace(0, 1, 41)), axis=2)
+    assert np.abs(radii - 1).max() < 0.005
+    times = list(path.keyframes(0.002))
+    # Chords of a circle: 1 - cos(a / 2) <= 0.002 asks for at least 14 of them over 100 degrees.
+    assert len(times) == 15
+    assert playback_error(path, times) <= 0.002
+    assert playback_error(path, list(path.keyframes(count=14))) > 0.002
+
+
+def ball(centre, radius, rows=96, columns=192):
+    """A closed sphere around its axis z: rings and two poles."""
+    polar, around = np.meshgrid(
+        np.linspace(0, np.pi, rows + 2)[1:-1],
+        np.linspace(0, 2 * np.pi, columns, endpoint=False),
+        indexing="ij",
+    )
+    ring = np.sin(polar)
+    points = np.stack([ring * np.cos(around), ring * np.sin(around), np.cos(polar)], -1).reshape(-1, 3)
+    top, bottom, k = len(points), len(points) + 1, np.arange(columns)
+    last, after = (rows - 1) * columns, (k + 1) % columns
+    faces = np.concatenate(
+        [
+            grid_faces(rows, columns, closed=True),
+            np.stack([np.full(columns, top), k, after], 1),
+            np.stack([np.full(columns, bottom), last + after, last + k], 1),
+        ]
+    )
+    return centre + radius * np.concatenate([points, [[0, 0, 1], [0, 0, -1]]]), faces
+
+
+def eye_and_blink(data):
+    face = data("ict_face")
+    start, faces = face["neutral"].astype(float), triangulate(face["loops"], face["counts"])
+    end = start + face["expressions"][list(face["expression_names"]).index("eyeBlink_L")]
+    eye = start[21451:22221]
+    fit = np.linalg.lstsq(np.column_stack([2 * eye, np.ones(len(eye))]), (eye**2).sum(1), rcond=None)[0]
+    return start, faces, end, fit[:3], np.sqrt(fit[3] + fit[:3] @ fit[:3])
+
+
+def test_a_blink_keeps_out_of_the_eyeball(data):
+    start, faces, end, centre, radius = eye_and_blink(data)
+    mesh, eye = lissom.Mesh(start, faces), lissom.Mesh(*ball(centre, radius))
+    moves = np.any(start != end, axis=1)
+
+    def depth(x):
+        return np.maximum(0, radius - np.linalg.norm(x - centre, axis=-1))
+
+    allowed = np.maximum(depth(start), depth(end))
+    times = np.linspace(0, 1, 9)
+    plain = lissom.Inbetween(mesh, start, end).at(times)
+    assert (depth(plain) - allowed)[:, moves].max() > 0.01
+    held = lissom.Inbetween(mesh, start, end, clearance=eye).at(times)
+    # What the facets of the ball are off the sphere.
+    assert (depth(held) - allowed)[:, moves].max() < 1e-3
+    assert np.array_equal(held[:, ~moves], np.stack([start[~moves]] * 9))
+    assert np.array_equal(held[[0, -1]], [start, end])
+    # Smooth in time: no step jumps by more than a few times what the plain path does.
+    steps = [np.linalg.norm(np.diff(x, axis=0), axis=2).max() for x in (plain, held)]
+    assert steps[1] < 2 * steps[0]
+
+
+def test_an_obstacle_must_be_closed_and_may_move():
+    start, faces, end = twisted_tube()
+    mesh = lissom.Mesh(start, faces)
+    with pytest.raises(lissom.InvalidValue, match="clearance: not closed"):
+        lissom.Inbetween(mesh, start, end, clearance=mesh)
+    with pytest.raises(lissom.InvalidValue, match="clearance_end: needs clearance"):
+        lissom.Inbetween(mesh, start, end, clearance_end=start)
+    with pytest.raises(TypeError, match="clearance: expected a lissom"):
+        lissom.Inbetween(mesh, start, end, clearance=start)
+    points, sides = ball(np.zeros(3), 0.5, 24, 48)
+    # A ball that goes along under a sheet, which makes room for it at both ends.
+    x, y = (p.ravel() for p in np.meshgrid(np.linspace(-2, 2, 41), np.linspace(-2, 2, 41), indexing="ij"))
+    bumps = ((x - at) ** 2 + y**2 for at in (-0.8, 0.8))
+    start, end = (
+        np.column_stack([x, y, h * np.exp(-0.8 * r)]) for h, r in zip((1, 1.05), bumps, strict=True)
+    )
+    mesh, way = lissom.Mesh(start, grid_faces(41, 41)), np.array([0.8, 0, 0])
+    middle = np.array([0, 0, 0.49])
+    obstacle = lissom.Mesh(middle - way + points, sides)
+    options = {"clearance": obstacle, "clearance_end": middle + way + points}
+    plain, held = (lissom.Inbetween(mesh, start, end, **o).at([0.5])[0] for o in ({}, options))
+    assert np.linalg.norm(plain - middle, axis=1).min() < 0.3
+    # What the facets of the ball are off the sphere.
+    assert np.linalg.norm(held - middle, axis=1).min() > 0.5 - 3e-3
+
+
+def test_the_surveys_twisted_bar_loses_no_volume(data):
+    survey = data("survey")
+    start, faces, status = survey["bar_vertices"].astype(float), survey["bar_faces"], survey["bar_status"]
+    mesh = lissom.Mesh(start, faces)
+    pose = lissom.Pose(
+        mesh, [np.flatnonzero(status == 0), np.flatnonzero(status == 2)], method="rotation_invariant"
+    )
+    end = pose.solve([np.eye(4), survey["bar_transform"]]).vertices
+
+    def lost(**options):
+        path = lissom.Inbetween(mesh, start, end, **options)
+        assert path.warnings == []
+        times = [0.2, 0.5, 0.8]
+        # The one open end lies in a plane, which the origin is moved to.
+        base = start[status == 0].mean(0)
+        base[2] = start[:, 2].min()
+        volumes = [volume(x - base, faces) for x in path.at(times)]
+        ends = volume(start - base, faces), volume(end - base, faces)
+        return max(
+            abs(v / ((1 - t) * ends[0] + t * ends[1]) - 1) for t, v in zip(times, volumes, strict=True)
+        )
+
+    assert lost() > 1e-4
+    assert lost(preserve_volume=True) < 1e-8
+
+
+def test_options_are_told_where_they_are_wrong():
+    start, faces, end = twisted_tube()
+    mesh = lissom.Mesh(start, faces)
+    with pytest.raises(TypeError, match="'refine' is none of the options: stretch, refinement"):
+        lissom.Inbetween(mesh, start, end, refine=3)
+    with pytest.raises(lissom.InvalidValue, match="stretch: 'cubic' is none of linear, logarithmic"):
+        lissom.start_inbetween(mesh, start, end, stretch="cubic")
+    with pytest.raises(lissom.InvalidValue, match="refinement: must not be negative, got -1"):
+        lissom.Inbetween(mesh, start, end, refinement=-1)

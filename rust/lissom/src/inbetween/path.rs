@@ -1,19 +1,17 @@
-//! `x(t)`: stitch the edges that every triangle asks for at time `t`.
-//!
-//! The unknown is `y(t) = x(t) - ((1-t) start + t end)`, how far the arc lies off the straight line:
+//! `x(t)`: what every triangle asks for at time `t`, stitched.
 //!
 //! ```text
-//!     L y(t) = div [ (1-t) (R(t) - I) e(start)  +  t (R(t) R(1)^T - I) e(end) ]
+//!     s_te(t) = p(t) e(start) + q(t) R_t(1)^T e(end)
 //! ```
 //!
-//! Where nothing turns `y` is zero to the last bit.
+//! turned by `R_t(t)`; `p` and `q` are those of `stretch`.
 
 use rayon::prelude::*;
 
 use super::Inbetween;
-use crate::linear::Columns;
-use crate::operators::divergence::divergence;
-use crate::{Error, Fault, Job, Mat3, Result, Vec3, memory};
+use super::elements::{Asked, Hats};
+use super::stretch::shares;
+use crate::{Error, Fault, Job, Result, Vec3, memory};
 
 /// Times solved as one block of right-hand sides: enough to share each pass over the factor, and
 /// few enough to answer a cancellation at once.
@@ -27,10 +25,7 @@ impl Inbetween {
     /// [`Error::InvalidValue`] for a time that is not within 0 and 1, [`Error::OutOfMemory`],
     /// [`Error::SolveFailed`] where positions overflow, [`Error::Cancelled`].
     pub fn at(&self, times: &[f64], job: &Job) -> Result<Vec<Vec<Vec3>>> {
-        let outside = times.iter().enumerate().filter(|(_, t)| !(0.0..=1.0).contains(*t));
-        if let Some(fault) = Fault::at("times", "not within 0 and 1", outside.map(|(i, _)| i)) {
-            return Err(Error::InvalidValue(fault));
-        }
+        Self::check_times(times)?;
         // Once here, and once more for whoever takes them over.
         let bytes = 2 * size_of::<Vec3>() as u128 * times.len() as u128 * self.shapes[0].len() as u128;
         memory::check("the in-betweens", bytes)?;
@@ -48,8 +43,15 @@ impl Inbetween {
         }
     }
 
+    /// Refuses times that are not within 0 and 1.
+    pub(super) fn check_times(times: &[f64]) -> Result<()> {
+        let outside = times.iter().enumerate().filter(|(_, t)| !(0.0..=1.0).contains(*t));
+        let fault = Fault::at("times", "not within 0 and 1", outside.map(|(i, _)| i));
+        fault.map_or(Ok(()), |fault| Err(Error::InvalidValue(fault)))
+    }
+
     /// The position on the straight line plus the arc's distance from it.
-    fn shape(&self, t: f64, arc: &[Vec3]) -> Vec<Vec3> {
+    pub(super) fn shape(&self, t: f64, arc: &[Vec3]) -> Vec<Vec3> {
         let [a, b] = &self.shapes;
         let (start, end) = if self.reversed { (b, a) } else { (a, b) };
         if t == 0.0 {
@@ -70,41 +72,42 @@ impl Inbetween {
 
     /// `y(t)` in unit coordinates, for a few times at once.
     pub(super) fn arcs(&self, times: &[f64], job: &Job) -> Result<Vec<Vec<Vec3>>> {
-        let n = self.shapes[0].len();
-        let mut rhs = Columns::zeros(n, 3 * times.len());
-        for (block, &t) in times.iter().enumerate() {
+        let mut asked = Vec::with_capacity(times.len());
+        for &t in times {
             job.check()?;
-            let t = self.inner_time(t);
-            let (from_start, from_end): (Vec<Mat3>, Vec<Mat3>) = self
-                .turns
-                .par_iter()
-                .map(|turn| {
-                    let (forward, back) = (turn.at(t), turn.back(t));
-                    ((forward - Mat3::IDENTITY) * (1.0 - t), (back - Mat3::IDENTITY) * t)
-                })
-                .unzip();
-            let asked = [from_start, from_end];
-            let [a, b] = [0, 1].map(|end| divergence(self.mesh.adjacency(), &self.hats[end], &asked[end]));
-            for (v, (a, b)) in a.into_iter().zip(b).enumerate() {
-                rhs.set_vector(block, v, a + b);
+            asked.push(self.asked(self.inner_time(t), job)?);
+        }
+        let mut arcs = self.elements.stitch(&asked, self.options.refinement, |t| self.turning[t], job)?;
+        for ((&t, asked), y) in times.iter().zip(&asked).zip(&mut arcs) {
+            if let Some(volumes) = &self.volumes {
+                volumes.restore(&self.elements, &asked.line, y, self.inner_time(t), job)?;
+                *y = self.elements.centred(&asked.drift, std::mem::take(y));
+            }
+            if let Some(clearance) = &self.clearance
+                && t > 0.0
+                && t < 1.0
+            {
+                clearance.keep(self, t, y, job)?;
             }
         }
-        let mut y = Columns::zeros(n, 3 * times.len());
-        self.system.solve(&rhs, &mut y);
-        Ok((0..times.len()).map(|block| self.centred(y.vectors(block))).collect())
+        Ok(arcs)
     }
 
-    /// Moves every component that nothing holds so that its centroid is on its straight line, and welded
-    /// vertices with those that they are welded to.
-    fn centred(&self, mut y: Vec<Vec3>) -> Vec<Vec3> {
-        for vertices in &self.afloat {
-            let sum: Vec3 = vertices.iter().map(|&v| y[v as usize]).sum();
-            let off = sum / vertices.len() as f64;
-            for &v in vertices {
-                y[v as usize] -= off;
-            }
-        }
-        self.mesh.follow(&mut y);
-        y
+    /// What every triangle asks for at time `t`.
+    fn asked(&self, t: f64, job: &Job) -> Result<Asked<impl Fn(usize) -> (Hats, Hats) + Sync + '_>> {
+        let rotations = match &self.relative {
+            Some(relative) => relative.at(t, &self.turns, &self.ends, job)?,
+            None => self.turns.par_iter().map(|turn| turn.at(t)).collect(),
+        };
+        let hats = move |triangle: usize| {
+            let [start, end] = [0, 1].map(|end| self.hats[end][triangle]);
+            let (p, q) = shares(self.stretches.get(triangle).copied().flatten(), t);
+            let back = self.ends[triangle].transpose();
+            let stretched = [0, 1, 2].map(|c| start[c] * p + back * end[c] * q);
+            (stretched, [0, 1, 2].map(|c| start[c] * (1.0 - t) + end[c] * t))
+        };
+        let line = self.unit[0].iter().zip(&self.unit[1]).map(|(&p, &q)| p + (q - p) * t).collect();
+        let drift = self.drifts.iter().map(|drift| drift.at(t)).collect();
+        Ok(Asked { hats, rotations, line, drift })
     }
 }

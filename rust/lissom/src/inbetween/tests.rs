@@ -19,7 +19,7 @@ impl Case {
     }
 
     fn path(&self, rotation: Rotation) -> Inbetween {
-        let options = InbetweenOptions { rotation };
+        let options = InbetweenOptions { rotation, ..Default::default() };
         Inbetween::new(self.mesh.clone(), &self.start, &self.end, options, &Job::default()).unwrap()
     }
 
@@ -172,9 +172,15 @@ fn a_rigid_motion_is_interpolated_as_that_rotation() {
     let mut case = bar(0.0, 0.0);
     let turn = |t: f64| rotation::exp(axis * (t * 170f64.to_radians()));
     case.end = case.start.iter().map(|&p| turn(1.0) * p + Vec3::new(3.0, 1.0, 2.0)).collect();
-    let (from, to) = (centroid(&case.start), centroid(&case.end));
+    // A screw: about the axis through the point that the turn alone leaves on it.
+    let shift = Vec3::new(3.0, 1.0, 2.0);
+    let along = axis * shift.dot(axis);
+    let across = shift - along;
+    let pivot = (across + axis.cross(across) / 85f64.to_radians().tan()) * 0.5;
+    assert!((turn(1.0) * -pivot + pivot).distance(across) < 1e-12);
     for t in [0.2, 0.5, 0.9] {
-        let known: Vec<Vec3> = case.start.iter().map(|&p| turn(t) * (p - from) + from.lerp(to, t)).collect();
+        let known: Vec<Vec3> =
+            case.start.iter().map(|&p| turn(t) * (p - pivot) + pivot + along * t).collect();
         let off = farthest(&case.at(t), &known);
         assert!(off < 1e-9, "{off:e}");
         assert!(case.edge_error(&known) < 1e-12 && case.edge_error(&case.at(t)) < 1e-8);
@@ -318,8 +324,10 @@ fn positions_minimise_the_energy_of_both_ends() {
 }
 
 #[test]
-fn unmoved_vertices_stay_and_centroids_move_straight() {
+fn unmoved_vertices_stay_and_shapes_without_a_rigid_motion_go_straight() {
     let mut case = two_sheets();
+    let mut next = numbers(5);
+    case.end[..36].fill_with(|| Vec3::new(next(), next(), next()) * 5.0 + Vec3::Y * 30.0);
     let centre = case.end[..36].iter().sum::<Vec3>() / 36.0;
     let still = [40, 41, 47, 60];
     for v in still {
@@ -386,7 +394,7 @@ fn row_3_numbers_that_are_not_finite_are_refused() {
     let options = InbetweenOptions::default();
     let job = Job::default();
     for (start, end, name) in [(&bad, &case.end, "start"), (&case.start, &bad, "end")] {
-        let error = Inbetween::new(case.mesh.clone(), start, end, options, &job).unwrap_err();
+        let error = Inbetween::new(case.mesh.clone(), start, end, options.clone(), &job).unwrap_err();
         assert_eq!(error.to_string(), format!("{name}: not finite (at 5, 9; 2 in all)"));
     }
     let path = case.path(Rotation::Consistent);
@@ -481,10 +489,11 @@ fn keyframes_of_a_rotation_are_as_many_as_its_chords_ask_for() {
     let mut case = bar(0.0, 0.0);
     let angle = 170f64.to_radians();
     let turn = rotation::exp(Vec3::X * angle);
-    // Moved on, lest the vertices on the axis stay where they are and the bar turn about them.
+    // Moved on, lest the vertices on the axis stay where they are.
     case.end = case.start.iter().map(|&p| turn * p + Vec3::ONE).collect();
     let path = case.path(Rotation::Consistent);
-    let centre = centroid(&case.start);
+    let across = Vec3::new(0.0, 1.0, 1.0);
+    let centre = (across + Vec3::X.cross(across) / 85f64.to_radians().tan()) * 0.5;
     let radius = case.start.iter().map(|p| (*p - centre).reject_from(Vec3::X).length()).fold(0.0, f64::max);
     // How far a point on the chord over the angle `a` is from the point of the arc at the same time.
     let chord = |a: f64| {
@@ -519,5 +528,49 @@ fn keyframes_keep_within_tolerance_and_cannot_spare_one() {
         let mut times = keys.times.clone();
         times.remove(spared);
         assert!(playback_error(&path, &times) > tolerance);
+    }
+}
+
+#[test]
+fn a_path_keeps_the_volume_of_a_bar_without_lids() {
+    let case = bar(1.5, 0.0);
+    let options = InbetweenOptions { preserve_volume: true, ..Default::default() };
+    let kept = Inbetween::new(case.mesh.clone(), &case.start, &case.end, options, &Job::default()).unwrap();
+    assert!(kept.warnings().is_empty(), "{:?}", kept.warnings());
+    // Written down by the divergence theorem ring by ring: the ends are flat, across the axis.
+    let volume = |x: &[Vec3]| {
+        let side = case.mesh.triangles().iter().map(|t| {
+            let [p, q, r] = t.map(|v| x[v as usize]);
+            p.dot(q.cross(r)) / 6.0
+        });
+        let end = |from: usize| -> f64 {
+            let ring = &x[from..from + RING];
+            let centre = centroid(ring);
+            (0..RING).map(|k| centre.dot(ring[k].cross(ring[(k + 1) % RING])) / 6.0).sum()
+        };
+        side.sum::<f64>() + end(x.len() - RING) - end(0)
+    };
+    let (from, to) = (volume(&case.start), volume(&case.end));
+    let lost = volume(&case.at(0.5)) / (0.5 * (from + to)) - 1.0;
+    for t in [0.2, 0.5, 0.9] {
+        let now = volume(&at(&kept, t));
+        assert!((now - from * (1.0 - t) - to * t).abs() < 1e-9 * from.abs(), "{now} at {t}, lost {lost}");
+    }
+    assert!(lost.abs() > 1e-6, "nothing to restore: {lost:e}");
+    let sheets = two_sheets();
+    let options = InbetweenOptions { preserve_volume: true, ..Default::default() };
+    let path = Inbetween::new(sheets.mesh.clone(), &sheets.start, &sheets.end, options, &Job::default());
+    assert!(path.unwrap().warnings()[0].contains("open components"));
+}
+
+#[test]
+fn averaged_turns_between_neighbours_come_out_whole() {
+    for turns in [0.5, 1.5, 2.5] {
+        let case = bar(turns, 0.0);
+        let x = at(&case.path(Rotation::Relative), 0.5);
+        let half = (180.0 * turns + 180.0).rem_euclid(360.0) - 180.0;
+        let off = (end_turn(&case.start, &x) - half + 540.0).rem_euclid(360.0) - 180.0;
+        assert!(off.abs() < 1.0, "{turns} turns: off by {off} degrees");
+        assert!(case.edge_error(&x) < 0.01, "{}", case.edge_error(&x));
     }
 }

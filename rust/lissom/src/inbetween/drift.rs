@@ -1,0 +1,59 @@
+//! Where a component goes that nothing holds: about the axis of its own rigid motion.
+//!
+//! The rigid motion that takes `start` nearest to `end` (Kabsch 1976) is a screw: a turn by `theta` about an axis `k` and a shift
+//! along it. The centroid follows that screw,
+//!
+//! ```text
+//!     c(t) = c(0) + (exp(t theta k) - I) u + t d_k,        (exp(theta k) - I) u = d - d_k
+//! ```
+//!
+//! with its displacement `d` from end to end and `d_k` the part along the axis. Where no rigid motion accounts for the two
+//! shapes it goes straight.
+
+use crate::{Mat3, Vec3, rotation};
+
+/// The rigid motion must account for this share of the two shapes, as the correlation of their positions.
+const ACCOUNTED: f64 = 0.75;
+
+/// Angles in radians below which there is no telling an arc from a straight line.
+const STRAIGHT: f64 = 1e-9;
+
+/// A screw, by its rotation vector and the arm `u` from the axis to the centroid.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Drift {
+    turn: Vec3,
+    arm: Vec3,
+}
+
+impl Drift {
+    /// The screw of some vertices that go from `a` to `b`, in units that share a scale but not an origin, where the origin of `b`
+    /// is `apart` from that of `a`.
+    pub fn of(vertices: &[u32], a: &[Vec3], b: &[Vec3], apart: Vec3) -> Self {
+        let mean = |x: &[Vec3]| vertices.iter().map(|&v| x[v as usize]).sum::<Vec3>() / vertices.len() as f64;
+        let (from, to) = (mean(a), mean(b));
+        let (mut covariance, mut sizes) = (Mat3::ZERO, [0.0; 2]);
+        for &v in vertices {
+            let (p, q) = (a[v as usize] - from, b[v as usize] - to);
+            covariance += Mat3::from_cols(q * p.x, q * p.y, q * p.z);
+            sizes[0] += p.length_squared();
+            sizes[1] += q.length_squared();
+        }
+        let r = rotation::nearest_rotation(covariance);
+        let product = r.transpose() * covariance;
+        let correlation = product.x_axis.x + product.y_axis.y + product.z_axis.z;
+        let turn = rotation::log(r);
+        let angle = turn.length();
+        if angle < STRAIGHT || correlation < ACCOUNTED * (sizes[0] * sizes[1]).sqrt() {
+            return Self::default();
+        }
+        let axis = turn / angle;
+        let across = (to + apart - from).reject_from_normalized(axis);
+        Self { turn, arm: (across + axis.cross(across) / (0.5 * angle).tan()) * -0.5 }
+    }
+
+    /// How far the centroid is off the straight line at time `t`.
+    pub fn at(&self, t: f64) -> Vec3 {
+        let moved = |t: f64| rotation::exp(self.turn * t) * self.arm - self.arm;
+        moved(t) - moved(1.0) * t
+    }
+}
