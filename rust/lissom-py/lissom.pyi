@@ -110,6 +110,8 @@ def start_pose(
 
 class Fit:
     pairs: NDArray[np.int64]
+    image_triangles: NDArray[np.int64]
+    image_weights: NDArray[np.float64]
     fitted_vertices: NDArray[np.float64]
     report: dict[str, Any]
 
@@ -150,6 +152,7 @@ class Transfer:
         *,
         unmatched: str = "follow",
         weighting: str = "pairs",
+        anchor: float = 0.1,
     ) -> None: ...
     @property
     def warnings(self) -> list[str]: ...
@@ -173,5 +176,6 @@ def start_transfer(
     *,
     unmatched: str = "follow",
     weighting: str = "pairs",
+    anchor: float = 0.1,
 ) -> Job: ...
 def start_inbetween(mesh: Mesh, start: ArrayLike, end: ArrayLike, rotation: str = "consistent") -> Job: ...

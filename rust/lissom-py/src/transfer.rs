@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use lissom::transfer::{
-    Fit, FitOptions, FitReport, Transfer, TransferOptions, Unmatched, Weighting, fit_correspondence as fit,
+    Fit, FitOptions, FitReport, Image, Transfer, TransferOptions, Unmatched, Weighting,
+    fit_correspondence as fit,
 };
-use lissom::{Job, Mesh};
+use lissom::{Job, Mesh, Vec3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -23,12 +24,21 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(start_transfer, module)?)
 }
 
-/// A source pulled onto a target: `pairs` (p, 2) of source and target triangle, `fitted_vertices`
-/// (n_source, 3) in the target's units, and `report`, a dict.
-#[pyclass(name = "Fit", module = "lissom", frozen, get_all)]
+/// A source pulled onto a target: `pairs` (p, 2) of source and target triangle; `image_triangles` (n_target,)
+/// and `image_weights` (n_target, 3), where each target vertex lies on the source, -1 where nowhere;
+/// `fitted_vertices` (n_source, 3) in the target's units, and `report`, a dict.
+#[pyclass(name = "Fit", module = "lissom", frozen)]
 pub struct PyFit {
+    #[pyo3(get)]
     pairs: Py<PyAny>,
+    #[pyo3(get)]
+    image_triangles: Py<PyAny>,
+    #[pyo3(get)]
+    image_weights: Py<PyAny>,
+    images: Vec<Option<Image>>,
+    #[pyo3(get)]
     fitted_vertices: Py<PyAny>,
+    #[pyo3(get)]
     report: Py<PyDict>,
 }
 
@@ -51,9 +61,17 @@ fn report(py: Python<'_>, report: &FitReport) -> PyResult<Py<PyDict>> {
 
 fn fitted(py: Python<'_>, fit: Fit) -> PyResult<Py<PyAny>> {
     let pairs = arrays::from_pairs(py, &fit.pairs)?;
+    let triangle = |image: &Option<Image>| image.map_or(-1, |image| i64::from(image.triangle));
+    let image_triangles = arrays::from_integers(py, fit.images.iter().map(triangle));
+    let weights: Vec<Vec3> = fit.images.iter().map(|i| i.map_or(Vec3::ZERO, |i| i.weights)).collect();
+    let image_weights = arrays::from_points(py, &weights)?;
     let fitted_vertices = arrays::from_points(py, &fit.fitted_vertices)?;
     let report = report(py, &fit.report)?;
-    Ok(Py::new(py, PyFit { pairs, fitted_vertices, report })?.into_any())
+    Ok(Py::new(
+        py,
+        PyFit { pairs, image_triangles, image_weights, images: fit.images, fitted_vertices, report },
+    )?
+    .into_any())
 }
 
 type Work<T> = Box<dyn FnOnce(&Job) -> lissom::Result<T> + Send>;
@@ -128,7 +146,7 @@ pub struct PyTransferred {
     vertices: Py<PyAny>,
 }
 
-fn transferred(target: Arc<Mesh>) -> impl FnOnce(Python<'_>, Vec<Vec<lissom::Vec3>>) -> PyResult<Py<PyAny>> {
+fn transferred(target: Arc<Mesh>) -> impl FnOnce(Python<'_>, Vec<Vec<Vec3>>) -> PyResult<Py<PyAny>> {
     move |py, poses| {
         let vertices = arrays::from_poses(py, &poses, target.vertices().len())?;
         Ok(Py::new(py, PyTransferred { vertices })?.into_any())
@@ -147,7 +165,7 @@ fn transferred(target: Arc<Mesh>) -> impl FnOnce(Python<'_>, Vec<Vec<lissom::Vec
 pub struct PyTransfer(Arc<Transfer>);
 
 impl PyTransfer {
-    fn work(&self, poses: &Bound<'_, PyAny>) -> PyResult<Work<Vec<Vec<lissom::Vec3>>>> {
+    fn work(&self, poses: &Bound<'_, PyAny>) -> PyResult<Work<Vec<Vec<Vec3>>>> {
         let poses = arrays::poses("poses", poses, self.0.source().vertices().len())?;
         let transfer = self.0.clone();
         Ok(Box::new(move |job| transfer.apply(&poses, job)))
@@ -157,15 +175,16 @@ impl PyTransfer {
 #[pymethods]
 impl PyTransfer {
     #[new]
-    #[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="pairs"))]
+    #[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="pairs", anchor=0.1))]
     fn new(
         source: &Bound<'_, PyMesh>,
         target: &Bound<'_, PyMesh>,
         fit: &Bound<'_, PyAny>,
         unmatched: &str,
         weighting: &str,
+        anchor: f64,
     ) -> PyResult<Self> {
-        let work = prepare(source, target, fit, unmatched, weighting)?;
+        let work = prepare(source, target, fit, unmatched, weighting, anchor)?;
         Ok(Self(Arc::new(run_value(source.py(), work)?)))
     }
 
@@ -195,31 +214,33 @@ fn prepare(
     fit: &Bound<'_, PyAny>,
     unmatched: &str,
     weighting: &str,
+    anchor: f64,
 ) -> PyResult<Work<Transfer>> {
     let py = source.py();
-    let pairs = match fit.cast::<PyFit>() {
-        Ok(fit) => arrays::pairs("fit", fit.get().pairs.bind(py))?,
-        Err(_) => arrays::pairs("fit", fit)?,
+    let (pairs, images) = match fit.cast::<PyFit>() {
+        Ok(fit) => (arrays::pairs("fit", fit.get().pairs.bind(py))?, fit.get().images.clone()),
+        Err(_) => (arrays::pairs("fit", fit)?, Vec::new()),
     };
     let kinds = [("follow", Unmatched::Follow), ("rest", Unmatched::Rest)];
     let unmatched = choice(py, "unmatched", unmatched, &kinds)?;
     let kinds = [("pairs", Weighting::Pairs), ("area", Weighting::Area)];
     let weighting = choice(py, "weighting", weighting, &kinds)?;
     let (source, target) = (source.get().0.clone(), target.get().0.clone());
-    let options = TransferOptions { unmatched, weighting };
-    Ok(Box::new(move |job| Transfer::new(source, target, &pairs, options, job)))
+    let options = TransferOptions { unmatched, weighting, anchor };
+    Ok(Box::new(move |job| Transfer::new(source, target, &pairs, &images, options, job)))
 }
 
 /// `Transfer(...)` in the background: returns a Job whose result is the Transfer.
 #[pyfunction]
-#[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="pairs"))]
+#[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="pairs", anchor=0.1))]
 fn start_transfer(
     source: &Bound<'_, PyMesh>,
     target: &Bound<'_, PyMesh>,
     fit: &Bound<'_, PyAny>,
     unmatched: &str,
     weighting: &str,
+    anchor: f64,
 ) -> PyResult<PyJob> {
     let convert = |py: Python<'_>, made| Ok(Py::new(py, PyTransfer(Arc::new(made)))?.into_any());
-    PyJob::start(prepare(source, target, fit, unmatched, weighting)?, convert)
+    PyJob::start(prepare(source, target, fit, unmatched, weighting, anchor)?, convert)
 }

@@ -22,6 +22,7 @@ use rayon::prelude::*;
 use super::carry::Carry;
 use super::closest::{Hit, Surface};
 use super::energy::{Energy, Weights};
+use super::image::{self, Image};
 use super::partners::{Overlap, Partners, triangle_components};
 use super::{markers, matching};
 use crate::operators::mass::lumped_mass;
@@ -112,6 +113,8 @@ pub struct Fit {
     /// Source triangle and target triangle, as the input of the meshes counts them; many to many,
     /// sorted, each pair once.
     pub pairs: Vec<[u32; 2]>,
+    /// Where each target vertex lies on the source, as the input of that counts triangles.
+    pub images: Vec<Option<Image>>,
     /// The source's vertices on the target, in the target's units.
     pub fitted_vertices: Vec<Vec3>,
     /// How well it went.
@@ -374,7 +377,12 @@ fn conclude(
 
     let sides =
         [(source, &fitted), (target, surface)].map(|(mesh, surface)| matching::Side::new(mesh, surface));
-    let pairs = matching::match_triangles(&sides[0], &sides[1], options.match_distance, job)?;
+    let (pairs, partners) = matching::match_triangles(&sides[0], &sides[1], options.match_distance, job)?;
+    let mut images = image::images(&sides[0], &sides[1], &partners.of_target, options.match_distance, job)?;
+    target.follow(&mut images);
+    for image in images.iter_mut().flatten() {
+        image.triangle = source.triangle_ids()[image.triangle as usize];
+    }
     for (side, mesh) in [source, target].into_iter().enumerate() {
         let mut matched = vec![false; mesh.triangles().len()];
         for pair in &pairs {
@@ -398,7 +406,7 @@ fn conclude(
     if fitted_vertices.iter().any(|p| !p.is_finite()) {
         return Err(Error::SolveFailed("the fit left the range of floating point numbers".into()));
     }
-    Ok(Fit { pairs: pairs.iter().map(given).collect(), fitted_vertices, report })
+    Ok(Fit { pairs: pairs.iter().map(given).collect(), images, fitted_vertices, report })
 }
 
 /// Number of fitted triangles whose place on the target faces the other way.
