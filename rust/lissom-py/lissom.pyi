@@ -119,6 +119,7 @@ def fit_correspondence(
     source: Mesh,
     target: Mesh,
     markers: ArrayLike,
+    points: ArrayLike | None = None,
     *,
     smoothness: float = 1.0,
     identity: float = 0.001,
@@ -131,6 +132,7 @@ def start_fit(
     source: Mesh,
     target: Mesh,
     markers: ArrayLike,
+    points: ArrayLike | None = None,
     *,
     smoothness: float = 1.0,
     identity: float = 0.001,
@@ -151,8 +153,8 @@ class Transfer:
         fit: Fit | ArrayLike,
         *,
         unmatched: str = "follow",
-        weighting: str = "pairs",
-        anchor: float = 0.1,
+        weighting: str = "area",
+        anchor: float = 1.0,
     ) -> None: ...
     @property
     def warnings(self) -> list[str]: ...
@@ -175,7 +177,7 @@ def start_transfer(
     fit: Fit | ArrayLike,
     *,
     unmatched: str = "follow",
-    weighting: str = "pairs",
-    anchor: float = 0.1,
+    weighting: str = "area",
+    anchor: float = 1.0,
 ) -> Job: ...
 def start_inbetween(mesh: Mesh, start: ArrayLike, end: ArrayLike, rotation: str = "consistent") -> Job: ...

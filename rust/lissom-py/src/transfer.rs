@@ -89,7 +89,8 @@ fn fit_work(
 
 /// Pulls `source` onto `target` and matches their triangles (Sumner & Popović 2004).
 ///
-/// markers (k, 2): vertex of the source, vertex of the target that belongs to it.
+/// markers (k, 2): vertex of the source, vertex of the target that belongs to it. points (k, 3): where on the
+/// target the source's vertices belong, in its units, where that is not at its vertices.
 /// smoothness, identity, closest: the weights w_S, w_I and the largest w_C of the three terms; w_C rises
 /// from 0 through `steps` weights, with `rounds` rounds of closest points at each. match_distance: how
 /// far the centroid of a triangle may be from the other surface to have a match, as a fraction of the
@@ -98,13 +99,14 @@ fn fit_work(
 /// Returns a Fit. Raises InvalidConstraint for no markers, indices out of range and vertices marked
 /// twice, InvalidValue for options out of range.
 #[pyfunction]
-#[pyo3(signature = (source, target, markers, *, smoothness=1.0, identity=0.001, closest=5000.0, steps=6,
+#[pyo3(signature = (source, target, markers, points=None, *, smoothness=1.0, identity=0.001, closest=5000.0, steps=6,
                     rounds=4, match_distance=0.02))]
 #[expect(clippy::too_many_arguments, reason = "each is an option of the Python function")]
 fn fit_correspondence(
     source: &Bound<'_, PyMesh>,
     target: &Bound<'_, PyMesh>,
     markers: &Bound<'_, PyAny>,
+    points: Option<&Bound<'_, PyAny>>,
     smoothness: f64,
     identity: f64,
     closest: f64,
@@ -114,19 +116,21 @@ fn fit_correspondence(
 ) -> PyResult<Py<PyAny>> {
     let py = source.py();
     let (steps, rounds) = (arrays::count(py, "steps", steps)?, arrays::count(py, "rounds", rounds)?);
-    let options = FitOptions { smoothness, identity, closest, steps, rounds, match_distance };
+    let points = points.map_or(Ok(Vec::new()), |points| arrays::points("points", points))?;
+    let options = FitOptions { smoothness, identity, closest, steps, rounds, points, match_distance };
     job::run(source.py(), fit_work(source, target, markers, options)?, fitted)
 }
 
 /// `fit_correspondence` in the background: returns a Job at once.
 #[pyfunction]
-#[pyo3(signature = (source, target, markers, *, smoothness=1.0, identity=0.001, closest=5000.0, steps=6,
+#[pyo3(signature = (source, target, markers, points=None, *, smoothness=1.0, identity=0.001, closest=5000.0, steps=6,
                     rounds=4, match_distance=0.02))]
 #[expect(clippy::too_many_arguments, reason = "each is an option of the Python function")]
 fn start_fit(
     source: &Bound<'_, PyMesh>,
     target: &Bound<'_, PyMesh>,
     markers: &Bound<'_, PyAny>,
+    points: Option<&Bound<'_, PyAny>>,
     smoothness: f64,
     identity: f64,
     closest: f64,
@@ -136,7 +140,8 @@ fn start_fit(
 ) -> PyResult<PyJob> {
     let py = source.py();
     let (steps, rounds) = (arrays::count(py, "steps", steps)?, arrays::count(py, "rounds", rounds)?);
-    let options = FitOptions { smoothness, identity, closest, steps, rounds, match_distance };
+    let points = points.map_or(Ok(Vec::new()), |points| arrays::points("points", points))?;
+    let options = FitOptions { smoothness, identity, closest, steps, rounds, points, match_distance };
     PyJob::start(fit_work(source, target, markers, options)?, fitted)
 }
 
@@ -155,10 +160,11 @@ fn transferred(target: Arc<Mesh>) -> impl FnOnce(Python<'_>, Vec<Vec<Vec3>>) -> 
 
 /// A prepared transfer from one mesh to another; factored once, for any number of keys.
 ///
-/// Transfer(source, target, fit, *, unmatched="follow", weighting="pairs"): `fit` is a Fit, or a (p, 2)
+/// Transfer(source, target, fit, *, unmatched="follow", weighting="area", anchor=1.0): `fit` is a Fit, or a (p, 2)
 /// array of source and target triangles. `unmatched` says what components of the target without a match
 /// do: "follow" the nearest matched surface rigidly, or "rest". `weighting` counts each target triangle by
-/// its number of matches ("pairs", as the paper does) or by its "area".
+/// its "area", or by its number of matches ("pairs", as the paper does). `anchor`, a length as a fraction of the
+/// target's diagonal: below it gradients rule, beyond it displacements; lower suits shapes that are much alike.
 ///
 /// Raises InvalidConstraint for no pairs or indices out of range, SolveFailed.
 #[pyclass(name = "Transfer", module = "lissom", frozen)]
@@ -175,7 +181,7 @@ impl PyTransfer {
 #[pymethods]
 impl PyTransfer {
     #[new]
-    #[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="pairs", anchor=0.1))]
+    #[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="area", anchor=1.0))]
     fn new(
         source: &Bound<'_, PyMesh>,
         target: &Bound<'_, PyMesh>,
@@ -232,7 +238,7 @@ fn prepare(
 
 /// `Transfer(...)` in the background: returns a Job whose result is the Transfer.
 #[pyfunction]
-#[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="pairs", anchor=0.1))]
+#[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="area", anchor=1.0))]
 fn start_transfer(
     source: &Bound<'_, PyMesh>,
     target: &Bound<'_, PyMesh>,

@@ -40,9 +40,9 @@ pub enum Unmatched {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Weighting {
     /// Each pair the same, as Sumner & Popović (2004) sum them: `w_t` is the number of matches.
-    #[default]
     Pairs,
     /// Each triangle by its area, so that the result does not depend on how finely either mesh is cut.
+    #[default]
     Area,
 }
 
@@ -60,7 +60,7 @@ pub struct TransferOptions {
 
 impl Default for TransferOptions {
     fn default() -> Self {
-        Self { unmatched: Unmatched::default(), weighting: Weighting::default(), anchor: 0.1 }
+        Self { unmatched: Unmatched::default(), weighting: Weighting::default(), anchor: 1.0 }
     }
 }
 
