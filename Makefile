@@ -87,6 +87,7 @@ bench: $(WHEEL)
 	.venv/bench/bin/python bench/pose.py --out build/bench
 	.venv/bench/bin/python bench/live.py
 	.venv/bench/bin/python bench/inbetween.py
+	.venv/bench/bin/python bench/transfer.py
 
 clean:
 	rm -rf .venv build dist target

@@ -110,6 +110,8 @@ def start_pose(
 
 class Fit:
     pairs: NDArray[np.int64]
+    image_triangles: NDArray[np.int64]
+    image_weights: NDArray[np.float64]
     fitted_vertices: NDArray[np.float64]
     report: dict[str, Any]
 
@@ -117,6 +119,7 @@ def fit_correspondence(
     source: Mesh,
     target: Mesh,
     markers: ArrayLike,
+    points: ArrayLike | None = None,
     *,
     smoothness: float = 1.0,
     identity: float = 0.001,
@@ -129,6 +132,7 @@ def start_fit(
     source: Mesh,
     target: Mesh,
     markers: ArrayLike,
+    points: ArrayLike | None = None,
     *,
     smoothness: float = 1.0,
     identity: float = 0.001,
@@ -149,7 +153,8 @@ class Transfer:
         fit: Fit | ArrayLike,
         *,
         unmatched: str = "follow",
-        weighting: str = "pairs",
+        weighting: str = "area",
+        anchor: float = 1.0,
     ) -> None: ...
     @property
     def warnings(self) -> list[str]: ...
@@ -191,7 +196,8 @@ def start_transfer(
     fit: Fit | ArrayLike,
     *,
     unmatched: str = "follow",
-    weighting: str = "pairs",
+    weighting: str = "area",
+    anchor: float = 1.0,
 ) -> Job: ...
 def start_inbetween(
     mesh: Mesh,

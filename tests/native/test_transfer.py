@@ -32,8 +32,8 @@ def test_cat_to_lion(data):
     size = diagonal(archive["lion_reference"])
     mean = np.mean([root_mean_square(error) for error in errors]) / size
     print(f"cat to lion: {mean:.5f} of the diagonal")
-    # Measured: 0.00895. The best public C code reaches 0.0096.
-    assert mean <= 0.0092
+    # Measured: 0.00882. The best public C code reaches 0.0096.
+    assert mean <= 0.0090
 
 
 def test_expressions_of_the_ict_face_on_another_identity_of_other_triangles(data):
@@ -60,8 +60,8 @@ def test_expressions_of_the_ict_face_on_another_identity_of_other_triangles(data
     median, ninetieth = np.median(relative), np.percentile(relative, 90)
     print(f"ICT, relative on the face: median {median:.4f}, 90th percentile {ninetieth:.4f}")
     print(f"ICT, of the diagonal, all parts: mean {np.mean(absolute):.6f}, largest {max(absolute):.6f}")
-    # Measured: 0.053 and 0.061, and 0.0021 for jawOpen, which moves the teeth by 0.05.
-    assert median < 0.06 and ninetieth < 0.07
+    # Measured: 0.046 and 0.054 (the face is 4.5 % smaller, and the data does not scale), 0.0021 for jawOpen.
+    assert median < 0.05 and ninetieth < 0.06
     assert max(absolute) < 0.0025
 
 

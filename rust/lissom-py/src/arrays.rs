@@ -197,6 +197,11 @@ pub fn from_pairs(py: Python<'_>, pairs: &[[u32; 2]]) -> PyResult<Py<PyAny>> {
     Ok(array.into_any().unbind())
 }
 
+/// Whole numbers as an int64 array.
+pub fn from_integers(py: Python<'_>, values: impl IntoIterator<Item = i64>) -> Py<PyAny> {
+    PyArray::from_iter(py, values).into_any().unbind()
+}
+
 /// One of a few named choices.
 pub fn choice<T: Copy>(py: Python<'_>, name: &str, given: &str, kinds: &[(&str, T)]) -> PyResult<T> {
     if let Some((_, kind)) = kinds.iter().find(|(known, _)| *known == given) {

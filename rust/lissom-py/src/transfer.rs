@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use lissom::transfer::{
-    Fit, FitOptions, FitReport, Transfer, TransferOptions, Unmatched, Weighting, fit_correspondence as fit,
+    Fit, FitOptions, FitReport, Image, Transfer, TransferOptions, Unmatched, Weighting,
+    fit_correspondence as fit,
 };
-use lissom::{Job, Mesh};
+use lissom::{Job, Mesh, Vec3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -23,12 +24,21 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(start_transfer, module)?)
 }
 
-/// A source pulled onto a target: `pairs` (p, 2) of source and target triangle, `fitted_vertices`
-/// (n_source, 3) in the target's units, and `report`, a dict.
-#[pyclass(name = "Fit", module = "lissom", frozen, get_all)]
+/// A source pulled onto a target: `pairs` (p, 2) of source and target triangle; `image_triangles` (n_target,)
+/// and `image_weights` (n_target, 3), where each target vertex lies on the source, -1 where nowhere;
+/// `fitted_vertices` (n_source, 3) in the target's units, and `report`, a dict.
+#[pyclass(name = "Fit", module = "lissom", frozen)]
 pub struct PyFit {
+    #[pyo3(get)]
     pairs: Py<PyAny>,
+    #[pyo3(get)]
+    image_triangles: Py<PyAny>,
+    #[pyo3(get)]
+    image_weights: Py<PyAny>,
+    images: Vec<Option<Image>>,
+    #[pyo3(get)]
     fitted_vertices: Py<PyAny>,
+    #[pyo3(get)]
     report: Py<PyDict>,
 }
 
@@ -51,9 +61,17 @@ fn report(py: Python<'_>, report: &FitReport) -> PyResult<Py<PyDict>> {
 
 fn fitted(py: Python<'_>, fit: Fit) -> PyResult<Py<PyAny>> {
     let pairs = arrays::from_pairs(py, &fit.pairs)?;
+    let triangle = |image: &Option<Image>| image.map_or(-1, |image| i64::from(image.triangle));
+    let image_triangles = arrays::from_integers(py, fit.images.iter().map(triangle));
+    let weights: Vec<Vec3> = fit.images.iter().map(|i| i.map_or(Vec3::ZERO, |i| i.weights)).collect();
+    let image_weights = arrays::from_points(py, &weights)?;
     let fitted_vertices = arrays::from_points(py, &fit.fitted_vertices)?;
     let report = report(py, &fit.report)?;
-    Ok(Py::new(py, PyFit { pairs, fitted_vertices, report })?.into_any())
+    Ok(Py::new(
+        py,
+        PyFit { pairs, image_triangles, image_weights, images: fit.images, fitted_vertices, report },
+    )?
+    .into_any())
 }
 
 type Work<T> = Box<dyn FnOnce(&Job) -> lissom::Result<T> + Send>;
@@ -71,7 +89,8 @@ fn fit_work(
 
 /// Pulls `source` onto `target` and matches their triangles (Sumner & Popović 2004).
 ///
-/// markers (k, 2): vertex of the source, vertex of the target that belongs to it.
+/// markers (k, 2): vertex of the source, vertex of the target that belongs to it. points (k, 3): where on the
+/// target the source's vertices belong, in its units, where that is not at its vertices.
 /// smoothness, identity, closest: the weights w_S, w_I and the largest w_C of the three terms; w_C rises
 /// from 0 through `steps` weights, with `rounds` rounds of closest points at each. match_distance: how
 /// far the centroid of a triangle may be from the other surface to have a match, as a fraction of the
@@ -80,13 +99,14 @@ fn fit_work(
 /// Returns a Fit. Raises InvalidConstraint for no markers, indices out of range and vertices marked
 /// twice, InvalidValue for options out of range.
 #[pyfunction]
-#[pyo3(signature = (source, target, markers, *, smoothness=1.0, identity=0.001, closest=5000.0, steps=6,
+#[pyo3(signature = (source, target, markers, points=None, *, smoothness=1.0, identity=0.001, closest=5000.0, steps=6,
                     rounds=4, match_distance=0.02))]
 #[expect(clippy::too_many_arguments, reason = "each is an option of the Python function")]
 fn fit_correspondence(
     source: &Bound<'_, PyMesh>,
     target: &Bound<'_, PyMesh>,
     markers: &Bound<'_, PyAny>,
+    points: Option<&Bound<'_, PyAny>>,
     smoothness: f64,
     identity: f64,
     closest: f64,
@@ -96,19 +116,21 @@ fn fit_correspondence(
 ) -> PyResult<Py<PyAny>> {
     let py = source.py();
     let (steps, rounds) = (arrays::count(py, "steps", steps)?, arrays::count(py, "rounds", rounds)?);
-    let options = FitOptions { smoothness, identity, closest, steps, rounds, match_distance };
+    let points = points.map_or(Ok(Vec::new()), |points| arrays::points("points", points))?;
+    let options = FitOptions { smoothness, identity, closest, steps, rounds, points, match_distance };
     job::run(source.py(), fit_work(source, target, markers, options)?, fitted)
 }
 
 /// `fit_correspondence` in the background: returns a Job at once.
 #[pyfunction]
-#[pyo3(signature = (source, target, markers, *, smoothness=1.0, identity=0.001, closest=5000.0, steps=6,
+#[pyo3(signature = (source, target, markers, points=None, *, smoothness=1.0, identity=0.001, closest=5000.0, steps=6,
                     rounds=4, match_distance=0.02))]
 #[expect(clippy::too_many_arguments, reason = "each is an option of the Python function")]
 fn start_fit(
     source: &Bound<'_, PyMesh>,
     target: &Bound<'_, PyMesh>,
     markers: &Bound<'_, PyAny>,
+    points: Option<&Bound<'_, PyAny>>,
     smoothness: f64,
     identity: f64,
     closest: f64,
@@ -118,7 +140,8 @@ fn start_fit(
 ) -> PyResult<PyJob> {
     let py = source.py();
     let (steps, rounds) = (arrays::count(py, "steps", steps)?, arrays::count(py, "rounds", rounds)?);
-    let options = FitOptions { smoothness, identity, closest, steps, rounds, match_distance };
+    let points = points.map_or(Ok(Vec::new()), |points| arrays::points("points", points))?;
+    let options = FitOptions { smoothness, identity, closest, steps, rounds, points, match_distance };
     PyJob::start(fit_work(source, target, markers, options)?, fitted)
 }
 
@@ -128,7 +151,7 @@ pub struct PyTransferred {
     vertices: Py<PyAny>,
 }
 
-fn transferred(target: Arc<Mesh>) -> impl FnOnce(Python<'_>, Vec<Vec<lissom::Vec3>>) -> PyResult<Py<PyAny>> {
+fn transferred(target: Arc<Mesh>) -> impl FnOnce(Python<'_>, Vec<Vec<Vec3>>) -> PyResult<Py<PyAny>> {
     move |py, poses| {
         let vertices = arrays::from_poses(py, &poses, target.vertices().len())?;
         Ok(Py::new(py, PyTransferred { vertices })?.into_any())
@@ -137,17 +160,18 @@ fn transferred(target: Arc<Mesh>) -> impl FnOnce(Python<'_>, Vec<Vec<lissom::Vec
 
 /// A prepared transfer from one mesh to another; factored once, for any number of keys.
 ///
-/// Transfer(source, target, fit, *, unmatched="follow", weighting="pairs"): `fit` is a Fit, or a (p, 2)
+/// Transfer(source, target, fit, *, unmatched="follow", weighting="area", anchor=1.0): `fit` is a Fit, or a (p, 2)
 /// array of source and target triangles. `unmatched` says what components of the target without a match
 /// do: "follow" the nearest matched surface rigidly, or "rest". `weighting` counts each target triangle by
-/// its number of matches ("pairs", as the paper does) or by its "area".
+/// its "area", or by its number of matches ("pairs", as the paper does). `anchor`, a length as a fraction of the
+/// target's diagonal: below it gradients rule, beyond it displacements; lower suits shapes that are much alike.
 ///
 /// Raises InvalidConstraint for no pairs or indices out of range, SolveFailed.
 #[pyclass(name = "Transfer", module = "lissom", frozen)]
 pub struct PyTransfer(Arc<Transfer>);
 
 impl PyTransfer {
-    fn work(&self, poses: &Bound<'_, PyAny>) -> PyResult<Work<Vec<Vec<lissom::Vec3>>>> {
+    fn work(&self, poses: &Bound<'_, PyAny>) -> PyResult<Work<Vec<Vec<Vec3>>>> {
         let poses = arrays::poses("poses", poses, self.0.source().vertices().len())?;
         let transfer = self.0.clone();
         Ok(Box::new(move |job| transfer.apply(&poses, job)))
@@ -157,15 +181,16 @@ impl PyTransfer {
 #[pymethods]
 impl PyTransfer {
     #[new]
-    #[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="pairs"))]
+    #[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="area", anchor=1.0))]
     fn new(
         source: &Bound<'_, PyMesh>,
         target: &Bound<'_, PyMesh>,
         fit: &Bound<'_, PyAny>,
         unmatched: &str,
         weighting: &str,
+        anchor: f64,
     ) -> PyResult<Self> {
-        let work = prepare(source, target, fit, unmatched, weighting)?;
+        let work = prepare(source, target, fit, unmatched, weighting, anchor)?;
         Ok(Self(Arc::new(run_value(source.py(), work)?)))
     }
 
@@ -195,31 +220,33 @@ fn prepare(
     fit: &Bound<'_, PyAny>,
     unmatched: &str,
     weighting: &str,
+    anchor: f64,
 ) -> PyResult<Work<Transfer>> {
     let py = source.py();
-    let pairs = match fit.cast::<PyFit>() {
-        Ok(fit) => arrays::pairs("fit", fit.get().pairs.bind(py))?,
-        Err(_) => arrays::pairs("fit", fit)?,
+    let (pairs, images) = match fit.cast::<PyFit>() {
+        Ok(fit) => (arrays::pairs("fit", fit.get().pairs.bind(py))?, fit.get().images.clone()),
+        Err(_) => (arrays::pairs("fit", fit)?, Vec::new()),
     };
     let kinds = [("follow", Unmatched::Follow), ("rest", Unmatched::Rest)];
     let unmatched = choice(py, "unmatched", unmatched, &kinds)?;
     let kinds = [("pairs", Weighting::Pairs), ("area", Weighting::Area)];
     let weighting = choice(py, "weighting", weighting, &kinds)?;
     let (source, target) = (source.get().0.clone(), target.get().0.clone());
-    let options = TransferOptions { unmatched, weighting };
-    Ok(Box::new(move |job| Transfer::new(source, target, &pairs, options, job)))
+    let options = TransferOptions { unmatched, weighting, anchor };
+    Ok(Box::new(move |job| Transfer::new(source, target, &pairs, &images, options, job)))
 }
 
 /// `Transfer(...)` in the background: returns a Job whose result is the Transfer.
 #[pyfunction]
-#[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="pairs"))]
+#[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="area", anchor=1.0))]
 fn start_transfer(
     source: &Bound<'_, PyMesh>,
     target: &Bound<'_, PyMesh>,
     fit: &Bound<'_, PyAny>,
     unmatched: &str,
     weighting: &str,
+    anchor: f64,
 ) -> PyResult<PyJob> {
     let convert = |py: Python<'_>, made| Ok(Py::new(py, PyTransfer(Arc::new(made)))?.into_any());
-    PyJob::start(prepare(source, target, fit, unmatched, weighting)?, convert)
+    PyJob::start(prepare(source, target, fit, unmatched, weighting, anchor)?, convert)
 }

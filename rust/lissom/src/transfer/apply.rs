@@ -12,7 +12,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::anchor::Anchors;
 use super::choose::{Chooser, SourceKey};
+use super::image::Image;
 use super::place::Placer;
 use crate::linear::{Columns, Constraints, REGULARIZED, SymmetricMatrix};
 use crate::stitch::Stitcher;
@@ -38,26 +40,39 @@ pub enum Unmatched {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Weighting {
     /// Each pair the same, as Sumner & Popović (2004) sum them: `w_t` is the number of matches.
-    #[default]
     Pairs,
     /// Each triangle by its area, so that the result does not depend on how finely either mesh is cut.
+    #[default]
     Area,
 }
 
 /// What a transfer may be told.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TransferOptions {
     /// What components without a match do.
     pub unmatched: Unmatched,
     /// How much each target triangle counts.
     pub weighting: Weighting,
+    /// `l`: over distances below it gradients rule, beyond it displacements; a fraction of the target's
+    /// diagonal, without bound for gradients alone ([`super::anchor`]).
+    pub anchor: f64,
 }
+
+impl Default for TransferOptions {
+    fn default() -> Self {
+        Self { unmatched: Unmatched::default(), weighting: Weighting::default(), anchor: 1.0 }
+    }
+}
+
+/// Longest `l`: it still says where a component is.
+const LONGEST: f64 = 1e3;
 
 /// A prepared transfer from one mesh to another: everything that does not depend on the key.
 pub struct Transfer {
     source: Arc<Mesh>,
     target: Arc<Mesh>,
     chooser: Chooser,
+    anchors: Anchors,
     placer: Placer,
     stitcher: Stitcher,
     /// `w_t` over the area of the triangle.
@@ -67,7 +82,8 @@ pub struct Transfer {
 
 impl Transfer {
     /// Prepares to carry shapes from `source` to `target`, whose triangles belong together as `pairs`
-    /// says: source triangle and target triangle, as the input of the meshes counts them.
+    /// says: source triangle and target triangle, as the input of the meshes counts them. `images` tells
+    /// for each target vertex where on the source it lies, and may be empty.
     ///
     /// # Errors
     ///
@@ -77,25 +93,32 @@ impl Transfer {
         source: Arc<Mesh>,
         target: Arc<Mesh>,
         pairs: &[[u32; 2]],
+        images: &[Option<Image>],
         options: TransferOptions,
         job: &Job,
     ) -> Result<Self> {
         job.report(0.0, "prepare");
+        if options.anchor.is_nan() || options.anchor <= 0.0 {
+            let problem = format!("must be a positive number, got {}", options.anchor);
+            return Err(Error::InvalidValue(Fault::new("anchor", problem)));
+        }
         let pairs = triangles_in_use(&source, &target, pairs)?;
-        let chooser = Chooser::new(&target, &pairs)?;
+        let images = images_in_use(&source, &target, images)?;
+        let chooser = Chooser::new(&source, &target, &pairs, &images)?;
         job.check()?;
         let weights = weights(&target, &chooser, options.weighting);
         let matrix = weighted_laplacian(&target, &weights);
         // One vertex of each component is held, which fixes its translation until it is placed.
         let mut held: Vec<bool> =
             (0..target.vertices().len()).map(|v| target.components().of_vertex(v).is_none()).collect();
-        for members in target.components().members() {
-            held[members[0] as usize] = true;
+        let anchors = Anchors::new(&target, &chooser, &weights, options.anchor.min(LONGEST));
+        for (c, members) in target.components().members().iter().enumerate() {
+            held[members[0] as usize] |= !anchors.hold(c);
         }
-        let stitcher =
-            Stitcher::with_matrix(&target, &matrix, Constraints::hard(held.len(), |v| held[v]), job)?;
+        let constraints = Constraints::hard(held.len(), |v| held[v]).with_soft(anchors.soft());
+        let stitcher = Stitcher::with_matrix(&target, &matrix, constraints, job)?;
         job.check()?;
-        let placer = Placer::new(&source, &target, &matrix, &chooser, options.unmatched);
+        let placer = Placer::new(&source, &target, &matrix, &chooser, &anchors, options.unmatched);
         let policy = match options.unmatched {
             Unmatched::Follow => "they follow the nearest matched surface rigidly",
             Unmatched::Rest => "they stay at rest",
@@ -105,7 +128,7 @@ impl Transfer {
         let regularized = stitcher.system().factor().is_regularized().then(|| REGULARIZED.into());
         let warnings = fault.map(|fault| fault.to_string()).into_iter().chain(regularized).collect();
         job.report(1.0, "prepare");
-        Ok(Self { source, target, chooser, placer, stitcher, weights, warnings })
+        Ok(Self { source, target, chooser, anchors, placer, stitcher, weights, warnings })
     }
 
     /// What is doubtful about the matches.
@@ -166,20 +189,28 @@ impl Transfer {
     fn apply_block(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<Vec<Vec<Vec3>>> {
         let keys: Vec<SourceKey> = poses.par_iter().map(|pose| SourceKey::of(&self.source, pose)).collect();
         let weigh = |(change, &weight): (Mat3, &f64)| Mat3::IDENTITY + change * weight;
-        let targets: Vec<Vec<Mat3>> = keys
-            .par_iter()
-            .map(|key| self.chooser.changes(key).into_iter().zip(&self.weights).map(weigh).collect())
+        let moved: Vec<Vec<Vec3>> = keys.par_iter().map(|key| self.chooser.displacements(key)).collect();
+        let targets: Vec<Vec<Mat3>> = (keys.par_iter().zip(&moved))
+            .map(|(key, moved)| self.chooser.changes(&self.target, key, moved))
+            .map(|changes| changes.into_iter().zip(&self.weights).map(weigh).collect())
             .collect();
         job.check()?;
         let mut block = Columns::zeros(self.target.vertices().len(), 3 * poses.len());
+        for (k, moved) in moved.iter().enumerate() {
+            for (v, to) in self.anchors.targets(&self.target, &self.chooser, moved) {
+                block.set_vector(k, v as usize, to);
+            }
+        }
         self.stitcher.solve_block(&self.target, &targets, &mut block);
         job.check()?;
-        keys.par_iter().enumerate().map(|(k, key)| self.finish(key, block.vectors(k))).collect()
+        (keys.par_iter().zip(&moved).enumerate())
+            .map(|(k, (key, moved))| self.finish(key, moved, block.vectors(k)))
+            .collect()
     }
 
     /// From displacements in unit coordinates, up to a translation, to positions.
-    fn finish(&self, key: &SourceKey, mut displacements: Vec<Vec3>) -> Result<Vec<Vec3>> {
-        self.placer.place(&self.target, &self.chooser, key, &mut displacements);
+    fn finish(&self, key: &SourceKey, moved: &[Vec3], mut displacements: Vec<Vec3>) -> Result<Vec<Vec3>> {
+        self.placer.place(&self.target, &self.chooser, key, moved, &mut displacements);
         self.target.follow(&mut displacements);
         let scale = self.target.frame().scale;
         let positions: Vec<Vec3> =
@@ -216,6 +247,31 @@ fn triangles_in_use(source: &Mesh, target: &Mesh, pairs: &[[u32; 2]]) -> Result<
     Ok(used)
 }
 
+/// `images` in terms of the triangles in use; those on triangles that the source left out are none.
+fn images_in_use(source: &Mesh, target: &Mesh, images: &[Option<Image>]) -> Result<Vec<Option<Image>>> {
+    if images.is_empty() {
+        return Ok(vec![None; target.vertices().len()]);
+    }
+    if images.len() != target.vertices().len() {
+        let problem = format!("{} for the {} vertices of the target", images.len(), target.vertices().len());
+        return Err(Error::InvalidConstraint(Fault::new("images", problem)));
+    }
+    let m = source.input_triangles();
+    let outside = (0..images.len()).filter(|&v| images[v].is_some_and(|image| image.triangle as usize >= m));
+    if let Some(fault) = Fault::at("images", format!("triangle out of range, the source has {m}"), outside) {
+        return Err(Error::InvalidConstraint(fault));
+    }
+    let mut places = vec![None; m];
+    for (place, &id) in (0u32..).zip(source.triangle_ids()) {
+        places[id as usize] = Some(place);
+    }
+    let used = |image: &Option<Image>| {
+        let image = (*image)?;
+        places[image.triangle as usize].map(|triangle| Image { triangle, ..image })
+    };
+    Ok(images.iter().map(used).collect())
+}
+
 /// `w_t` over the area of each triangle, as the stitcher already weighs by area.
 fn weights(target: &Mesh, chooser: &Chooser, weighting: Weighting) -> Vec<f64> {
     let areas = target.areas();
@@ -245,7 +301,7 @@ mod tests {
     use crate::transfer::{FitOptions, fit_correspondence};
 
     fn prepare(source: Mesh, target: Mesh, pairs: &[[u32; 2]], options: TransferOptions) -> Transfer {
-        Transfer::new(Arc::new(source), Arc::new(target), pairs, options, &Job::default()).unwrap()
+        Transfer::new(Arc::new(source), Arc::new(target), pairs, &[], options, &Job::default()).unwrap()
     }
 
     fn both_weightings() -> [TransferOptions; 2] {
@@ -390,7 +446,7 @@ mod tests {
     fn rows_3_and_9_poses_and_pairs_are_checked() {
         let mesh = Arc::new(bumpy_grid(4));
         let new = |pairs: &[[u32; 2]]| {
-            Transfer::new(mesh.clone(), mesh.clone(), pairs, TransferOptions::default(), &Job::default())
+            Transfer::new(mesh.clone(), mesh.clone(), pairs, &[], TransferOptions::default(), &Job::default())
         };
         let text = |error: Error| error.to_string();
         assert!(text(new(&[]).err().unwrap()).starts_with("pairs: no source triangle"));

@@ -34,6 +34,11 @@ impl Carry {
         Self { linear: turn * scale, from: a, to: b }
     }
 
+    /// The linear part.
+    pub fn linear(&self) -> Mat3 {
+        self.linear
+    }
+
     /// Where a point goes.
     pub fn apply(&self, point: Vec3) -> Vec3 {
         self.to + self.linear * (point - self.from)

@@ -1,12 +1,14 @@
 //! Choose: a target matrix for every target triangle, from the matched source triangles.
 //!
-//! The target of triangle `t` is the mean of the gradients of its matches, `C_t = mean_s Q_s`. Triangles
-//! without a match take the harmonic extension of the targets around them: over the dual graph of
+//! The target of triangle `t` is the gradient of its image on the source ([`super::image`]). Where it has none
+//! that is sound, it is the mean of the gradients of its matches, `C_t = mean_s Q_s`. Triangles without a
+//! match either take the harmonic extension of the targets around them: over the dual graph of
 //! the patch, `C_t` is the mean of its neighbours. A patch whose surroundings do not change does not
 //! change.
 
 use rayon::prelude::*;
 
+use super::image::Image;
 use crate::linear::{Columns, Factor, Symbolic, SymmetricMatrix};
 use crate::operators::gradient::{outer, triangle_gradient};
 use crate::{Mat3, Mesh, Result, Vec3};
@@ -14,11 +16,16 @@ use crate::{Mat3, Mesh, Result, Vec3};
 /// Movement below this fraction of the diagonal is the noise of single precision, not a pose.
 const STILL: f64 = 1e-7;
 
+/// An image is sound while its area, against that of the triangle, is within this factor of the usual.
+const MOST_STRETCHED: f64 = 30.0;
+
 /// Holds a patch that nothing surrounds; far below any coupling.
 const GROUND: f64 = 1e-9;
 
 /// What one key does to the source.
 pub struct SourceKey {
+    /// Displacement of each vertex, in unit coordinates; exactly zero where it does not move.
+    pub displacement: Vec<Vec3>,
     /// `Q_s - I` of each triangle; exactly zero where it does not move.
     pub change: Vec<Mat3>,
     /// Displacement of each triangle's centroid, in unit coordinates; exactly zero likewise.
@@ -51,7 +58,7 @@ impl SourceKey {
             (similar_gradient(rest, posed) - Mat3::IDENTITY, ((d[0] + d[1] + d[2]) / 3.0, true))
         });
         let (change, (shift, moves)) = per_triangle.unzip();
-        Self { change, shift, moves }
+        Self { displacement, change, shift, moves }
     }
 }
 
@@ -69,8 +76,14 @@ fn similar_gradient(rest: [Vec3; 3], posed: [Vec3; 3]) -> Mat3 {
     }
 }
 
-/// The matches of every target triangle, and the patches that have none.
+/// The images and matches of every target triangle, and the patches that have none.
 pub struct Chooser {
+    /// The image of each target vertex: corners of the source triangle, and their weights.
+    images: Vec<Option<([u32; 3], Image)>>,
+    /// Where the images are at rest.
+    points: Vec<Vec3>,
+    /// Target triangles whose image is a triangle like them.
+    sound: Vec<bool>,
     start: Vec<u32>,
     matches: Vec<u32>,
     patches: Option<Patches>,
@@ -88,12 +101,13 @@ struct Patches {
 }
 
 impl Chooser {
-    /// Sorts `pairs` (source triangle, target triangle) by target triangle.
+    /// Sorts `pairs` (source triangle, target triangle) by target triangle; `images` has one entry a target
+    /// vertex, or none at all. All count triangles in use.
     ///
     /// # Errors
     ///
     /// [`crate::Error::SolveFailed`] where the patches without a match cannot be factored.
-    pub fn new(target: &Mesh, pairs: &[[u32; 2]]) -> Result<Self> {
+    pub fn new(source: &Mesh, target: &Mesh, pairs: &[[u32; 2]], images: &[Option<Image>]) -> Result<Self> {
         let m = target.triangles().len();
         let mut sorted: Vec<[u32; 2]> = pairs.iter().map(|&[s, t]| [t, s]).collect();
         sorted.sort_unstable();
@@ -106,9 +120,65 @@ impl Chooser {
             start[t + 1] += start[t];
         }
         let matches = sorted.into_iter().map(|[_, s]| s).collect();
-        let mut chooser = Self { start, matches, patches: None };
+        let on = |image: &Image| (source.triangles()[image.triangle as usize], *image);
+        let images: Vec<_> = images.iter().map(|image| image.as_ref().map(on)).collect();
+        let at = |v: u32| source.rest()[v as usize];
+        let points = images.iter().map(|i| i.map_or(Vec3::ZERO, |(t, image)| image.blend(t.map(at))));
+        let points = points.collect();
+        let mut chooser = Self { images, points, sound: vec![false; m], start, matches, patches: None };
+        chooser.sound = chooser.find_sound(source, target);
         chooser.patches = chooser.unmatched(target)?;
         Ok(chooser)
+    }
+
+    /// Images that keep their size against the other triangles, and the side that they show.
+    fn find_sound(&self, source: &Mesh, target: &Mesh) -> Vec<bool> {
+        let of = |t: &[u32; 3]| -> Option<(f64, bool)> {
+            let corners = t.map(|v| self.images.get(v as usize).copied().flatten());
+            let [Some(a), Some(b), Some(c)] = corners else { return None };
+            let [p, q, r] = t.map(|v| self.points[v as usize]);
+            let cross = (q - p).cross(r - p);
+            let faces =
+                |(_, image): ([u32; 3], Image)| source.normals()[image.triangle as usize].dot(cross) > 0.0;
+            Some((0.5 * cross.length(), [a, b, c].into_iter().filter(|i| faces(*i)).count() >= 2))
+        };
+        let found: Vec<_> = target.triangles().par_iter().map(of).collect();
+        let ratio = |(found, &area): (&Option<(f64, bool)>, &f64)| found.map(|(image, _)| image / area);
+        let mut ratios: Vec<f64> = found.iter().zip(target.areas()).filter_map(ratio).collect();
+        ratios.retain(|r| r.is_finite() && *r > 0.0);
+        ratios.sort_unstable_by(f64::total_cmp);
+        let Some(&usual) = ratios.get(ratios.len() / 2) else { return vec![false; found.len()] };
+        let sound = |(found, &area): (&Option<(f64, bool)>, &f64)| {
+            found.is_some_and(|(image, faces)| {
+                let against = image / (area * usual);
+                faces && against > 1.0 / MOST_STRETCHED && against < MOST_STRETCHED
+            })
+        };
+        found.iter().zip(target.areas()).map(sound).collect()
+    }
+
+    /// Whether a target vertex has an image.
+    pub fn has_image(&self, vertex: usize) -> bool {
+        self.images.get(vertex).is_some_and(Option::is_some)
+    }
+
+    /// Where the image of a target vertex is at rest, in the source's unit coordinates.
+    pub fn image(&self, vertex: usize) -> Option<Vec3> {
+        self.has_image(vertex).then(|| self.points[vertex])
+    }
+
+    /// Displacements of the images of all target vertices; zero where there is none.
+    pub fn displacements(&self, key: &SourceKey) -> Vec<Vec3> {
+        let of = |image: &Option<([u32; 3], Image)>| match image {
+            Some((t, image)) => image.blend(t.map(|v| key.displacement[v as usize])),
+            None => Vec3::ZERO,
+        };
+        self.images.par_iter().map(of).collect()
+    }
+
+    /// Whether something tells what a target triangle does.
+    pub fn is_told(&self, triangle: usize) -> bool {
+        self.sound[triangle] || !self.matches(triangle).is_empty()
     }
 
     /// The source triangles matched with a target triangle.
@@ -117,7 +187,7 @@ impl Chooser {
     }
 
     fn unmatched(&self, target: &Mesh) -> Result<Option<Patches>> {
-        let is_unmatched = |t: &u32| self.matches(*t as usize).is_empty();
+        let is_unmatched = |t: &u32| !self.is_told(*t as usize);
         let triangles: Vec<u32> = (0..target.triangles().len() as u32).filter(is_unmatched).collect();
         if triangles.is_empty() {
             return Ok(None);
@@ -145,12 +215,18 @@ impl Chooser {
         Ok(Some(Patches { triangles, border, patch, count, factor }))
     }
 
-    /// `C_t - I` of every target triangle.
-    pub fn changes(&self, key: &SourceKey) -> Vec<Mat3> {
-        let m = self.start.len() - 1;
-        let mut changes: Vec<Mat3> = (0..m)
-            .into_par_iter()
-            .map(|t| {
+    /// `C_t - I` of every target triangle, where the images have gone by `moved`.
+    pub fn changes(&self, target: &Mesh, key: &SourceKey, moved: &[Vec3]) -> Vec<Mat3> {
+        let mut changes: Vec<Mat3> = (target.triangles().par_iter().enumerate())
+            .map(|(t, corners)| {
+                if self.sound[t] {
+                    let [d, rest] = [moved, &self.points].map(|of| corners.map(|v| of[v as usize]));
+                    if d == [Vec3::ZERO; 3] {
+                        return Mat3::ZERO;
+                    }
+                    let posed = [rest[0] + d[0], rest[1] + d[1], rest[2] + d[2]];
+                    return similar_gradient(rest, posed) - Mat3::IDENTITY;
+                }
                 let matches = self.matches(t);
                 let sum: Mat3 = matches.iter().map(|&s| key.change[s as usize]).sum();
                 sum * (1.0 / matches.len().max(1) as f64)
@@ -162,11 +238,14 @@ impl Chooser {
         changes
     }
 
-    /// Whether every target triangle moves: one of its matches does, or, in a patch without matches,
-    /// anything around the patch.
-    pub fn moves(&self, key: &SourceKey) -> Vec<bool> {
-        let mut moves: Vec<bool> = (0..self.start.len() - 1)
-            .map(|t| self.matches(t).iter().any(|&s| key.moves[s as usize]))
+    /// Whether every target triangle moves: its image does, or one of its matches, or, in a patch without
+    /// either, anything around the patch.
+    pub fn moves(&self, target: &Mesh, key: &SourceKey, moved: &[Vec3]) -> Vec<bool> {
+        let mut moves: Vec<bool> = (target.triangles().iter().enumerate())
+            .map(|(t, corners)| match self.sound[t] {
+                true => corners.iter().any(|&v| moved[v as usize] != Vec3::ZERO),
+                false => self.matches(t).iter().any(|&s| key.moves[s as usize]),
+            })
             .collect();
         if let Some(patches) = &self.patches {
             patches.spread(&mut moves);

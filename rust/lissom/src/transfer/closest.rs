@@ -54,6 +54,21 @@ impl Surface {
         (a + b + c) / 3.0
     }
 
+    /// Barycentric coordinates of a point of a triangle; those of its first corner where it has no area.
+    pub fn weights(&self, triangle: usize, point: Vec3) -> Vec3 {
+        let [a, b, c] = self.corners[triangle];
+        let (u, v, p) = (b - a, c - a, point - a);
+        let (uu, uv, vv, up, vp) = (u.dot(u), u.dot(v), v.dot(v), u.dot(p), v.dot(p));
+        let area = uu * vv - uv * uv;
+        if area <= f64::MIN_POSITIVE {
+            return Vec3::X;
+        }
+        let (y, z) = ((vv * up - uv * vp) / area, (uu * vp - uv * up) / area);
+        let y = y.clamp(0.0, 1.0);
+        let z = z.clamp(0.0, 1.0 - y);
+        Vec3::new(1.0 - y - z, y, z)
+    }
+
     /// The nearest point of all; `None` for a surface without triangles or a point that is not finite.
     pub fn closest_point(&self, point: Vec3) -> Option<Hit> {
         self.nearest(point, f64::INFINITY, |t| Some(self.project(t, point)))

@@ -22,8 +22,10 @@ use rayon::prelude::*;
 use super::carry::Carry;
 use super::closest::{Hit, Surface};
 use super::energy::{Energy, Weights};
+use super::image::{self, Image};
+use super::markers::{self, Marker};
+use super::matching;
 use super::partners::{Overlap, Partners, triangle_components};
-use super::{markers, matching};
 use crate::operators::mass::lumped_mass;
 use crate::{Error, Fault, Job, Mesh, Result, Vec3};
 
@@ -58,6 +60,9 @@ pub struct FitOptions {
     pub steps: usize,
     /// Rounds of closest points at each weight.
     pub rounds: usize,
+    /// Where the source vertex of each marker belongs, in the target's units; empty: on its target vertex. So a
+    /// marker may lie anywhere on the target, and its target vertex only names it.
+    pub points: Vec<Vec3>,
     /// How far the centroid of a triangle may be from the other surface to be matched there, as a
     /// fraction of the target's diagonal.
     pub match_distance: f64,
@@ -65,7 +70,15 @@ pub struct FitOptions {
 
 impl Default for FitOptions {
     fn default() -> Self {
-        Self { smoothness: 1.0, identity: 0.001, closest: 5000.0, steps: 6, rounds: 4, match_distance: 0.02 }
+        Self {
+            smoothness: 1.0,
+            identity: 0.001,
+            closest: 5000.0,
+            steps: 6,
+            rounds: 4,
+            points: Vec::new(),
+            match_distance: 0.02,
+        }
     }
 }
 
@@ -112,6 +125,8 @@ pub struct Fit {
     /// Source triangle and target triangle, as the input of the meshes counts them; many to many,
     /// sorted, each pair once.
     pub pairs: Vec<[u32; 2]>,
+    /// Where each target vertex lies on the source, as the input of that counts triangles.
+    pub images: Vec<Option<Image>>,
     /// The source's vertices on the target, in the target's units.
     pub fitted_vertices: Vec<Vec3>,
     /// How well it went.
@@ -170,12 +185,13 @@ pub fn fit_correspondence(
         .iter()
         .map(|&[s, t]| [source.representative(s), target.representative(t)])
         .collect::<Vec<_>>();
-    markers::check(source, target, markers, &mut warnings)?;
+    let points: Vec<Vec3> = options.points.iter().map(|&p| target.frame().to_unit(p)).collect();
+    let markers = markers::check(source, target, markers, &points, &mut warnings)?;
     job.report(0.0, "fit");
     job.check()?;
 
     let surface = Surface::of(target, target.rest());
-    let (x, rounds) = pull(source, target, markers, options, &surface, job)?;
+    let (x, rounds) = pull(source, target, &markers, options, &surface, job)?;
     job.report(0.9, "match");
     let report = FitReport { rounds, warnings, ..FitReport::default() };
     let mut fit = conclude(source, target, &x, &surface, options, report, job)?;
@@ -188,20 +204,20 @@ pub fn fit_correspondence(
 fn pull(
     source: &Mesh,
     target: &Mesh,
-    markers: &[[u32; 2]],
+    markers: &[Marker],
     options: &FitOptions,
     surface: &Surface,
     job: &Job,
 ) -> Result<(Vec<Vec3>, usize)> {
-    let size = markers::size_ratio(source, target, markers);
+    let size = markers::size_ratio(markers);
     let components = source.components();
     let mut x: Vec<Vec3> = source.rest().iter().map(|&v| v * size).collect();
     let mut fixed = vec![None; x.len()];
     let mut marked = vec![false; components.count()];
-    for &[s, t] in markers {
-        let position = target.rest()[t as usize];
-        (fixed[s as usize], x[s as usize]) = (Some(position), position);
-        marked[components.of_vertex(s as usize).unwrap_or_default()] = true;
+    for marker in markers {
+        let v = marker.vertex as usize;
+        (fixed[v], x[v]) = (Some(marker.goal), marker.goal);
+        marked[components.of_vertex(v).unwrap_or_default()] = true;
     }
     // Vertices in no face have no energy: they stay where they are.
     for v in 0..x.len() {
@@ -374,7 +390,12 @@ fn conclude(
 
     let sides =
         [(source, &fitted), (target, surface)].map(|(mesh, surface)| matching::Side::new(mesh, surface));
-    let pairs = matching::match_triangles(&sides[0], &sides[1], options.match_distance, job)?;
+    let (pairs, partners) = matching::match_triangles(&sides[0], &sides[1], options.match_distance, job)?;
+    let mut images = image::images(&sides[0], &sides[1], &partners.of_target, options.match_distance, job)?;
+    target.follow(&mut images);
+    for image in images.iter_mut().flatten() {
+        image.triangle = source.triangle_ids()[image.triangle as usize];
+    }
     for (side, mesh) in [source, target].into_iter().enumerate() {
         let mut matched = vec![false; mesh.triangles().len()];
         for pair in &pairs {
@@ -398,7 +419,7 @@ fn conclude(
     if fitted_vertices.iter().any(|p| !p.is_finite()) {
         return Err(Error::SolveFailed("the fit left the range of floating point numbers".into()));
     }
-    Ok(Fit { pairs: pairs.iter().map(given).collect(), fitted_vertices, report })
+    Ok(Fit { pairs: pairs.iter().map(given).collect(), images, fitted_vertices, report })
 }
 
 /// Number of fitted triangles whose place on the target faces the other way.

@@ -1,4 +1,4 @@
-//! Markers: pairs of a source vertex and a target vertex that belong together.
+//! Markers: pairs of a source vertex and a target vertex, or a point of the target, that belong together.
 
 use std::collections::HashMap;
 
@@ -10,16 +10,41 @@ const COLLINEAR: f64 = 1e-3;
 /// A turn between the two sets of markers from which on the meshes are said to face different ways.
 const TURNED_DEGREES: f64 = 60.0;
 
-/// Refuses markers that cannot be used and says which are doubtful.
+/// A source vertex and where it belongs.
+#[derive(Debug, Clone, Copy)]
+pub struct Marker {
+    /// The source vertex.
+    pub vertex: u32,
+    /// Where that is, in the source's unit coordinates.
+    pub rest: Vec3,
+    /// Where it belongs, in the target's unit coordinates.
+    pub goal: Vec3,
+}
+
+/// Refuses markers that cannot be used and says which are doubtful. `points`, in the target's unit coordinates,
+/// stand in the place of the target vertices where there are any.
 ///
 /// # Errors
 ///
-/// [`Error::InvalidConstraint`] for no markers, an index out of range, a vertex in no face, and a
-/// vertex that is marked twice.
-pub fn check(source: &Mesh, target: &Mesh, markers: &[[u32; 2]], warnings: &mut Vec<String>) -> Result<()> {
+/// [`Error::InvalidConstraint`] for no markers, an index out of range, a vertex in no face, a vertex that is
+/// marked twice, and points that are not finite or of another number.
+pub fn check(
+    source: &Mesh,
+    target: &Mesh,
+    markers: &[[u32; 2]],
+    points: &[Vec3],
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Marker>> {
     let refuse = |fault: Option<Fault>| fault.map_or(Ok(()), |f| Err(Error::InvalidConstraint(f)));
+    let pointed = !points.is_empty();
+    if pointed && points.len() != markers.len() {
+        let problem = format!("{} for {} markers", points.len(), markers.len());
+        return Err(Error::InvalidConstraint(Fault::new("points", problem)));
+    }
+    refuse(Fault::at("points", "not finite", (0..points.len()).filter(|&i| !points[i].is_finite())))?;
     if markers.is_empty() {
-        return refuse(Some(Fault::new("markers", "none given; mark at least three pairs of vertices")));
+        let problem = "none given; mark at least three pairs of vertices";
+        return Err(Error::InvalidConstraint(Fault::new("markers", problem)));
     }
     for (side, (name, mesh)) in [("source", source), ("target", target)].into_iter().enumerate() {
         let n = mesh.vertices().len();
@@ -30,14 +55,24 @@ pub fn check(source: &Mesh, target: &Mesh, markers: &[[u32; 2]], warnings: &mut 
         refuse(Fault::at("markers", format!("{name} vertex out of range, the mesh has {n}"), outside))?;
         let loose = offenders(&|v| mesh.components().of_vertex(v).is_none());
         refuse(Fault::at("markers", format!("{name} vertex is in no face"), loose))?;
-        refuse(marked_twice(markers, side, name))?;
+        if side == 0 || !pointed {
+            refuse(marked_twice(markers, side, name))?;
+        }
     }
-    if markers.len() < 3 {
-        warnings.push(format!("markers: only {}; three or more fix how the meshes lie", markers.len()));
-    } else if [(0, source), (1, target)].iter().any(|&(side, mesh)| collinear(markers, side, mesh)) {
+    let goal = |(i, &[_, t]): (usize, &[u32; 2])| {
+        if pointed { points[i] } else { target.rest()[t as usize] }
+    };
+    let rest = |s: u32| source.rest()[s as usize];
+    let found: Vec<Marker> = (markers.iter().enumerate())
+        .map(|(i, pair)| Marker { vertex: pair[0], rest: rest(pair[0]), goal: goal((i, pair)) })
+        .collect();
+    let [rests, goals] = offsets(&found);
+    if found.len() < 3 {
+        warnings.push(format!("markers: only {}; three or more fix how the meshes lie", found.len()));
+    } else if collinear(&rests) || collinear(&goals) {
         warnings.push("markers: all on one line, so the turn about it is left open".into());
     } else {
-        let degrees = turn(source, target, markers).to_degrees();
+        let degrees = turn(&rests, &goals).to_degrees();
         if degrees > TURNED_DEGREES {
             warnings.push(format!(
                 "markers: the target is turned by {degrees:.0} degrees against the source; turn one to \
@@ -45,7 +80,7 @@ pub fn check(source: &Mesh, target: &Mesh, markers: &[[u32; 2]], warnings: &mut 
             ));
         }
     }
-    Ok(())
+    Ok(found)
 }
 
 /// The first vertex that several markers name, as a fault that lists those markers.
@@ -61,37 +96,31 @@ fn marked_twice(markers: &[[u32; 2]], side: usize, name: &str) -> Option<Fault> 
     Fault::at("markers", problem, [earlier, later])
 }
 
-/// Positions, in unit coordinates, of one side's markers.
-fn points(markers: &[[u32; 2]], side: usize, mesh: &Mesh) -> Vec<Vec3> {
-    markers.iter().map(|m| mesh.rest()[m[side] as usize]).collect()
+/// Offsets of the markers from the centroid, on the source and on the target.
+fn offsets(markers: &[Marker]) -> [Vec<Vec3>; 2] {
+    let centred = |at: fn(&Marker) -> Vec3| {
+        let centre = markers.iter().map(at).sum::<Vec3>() / markers.len() as f64;
+        markers.iter().map(|m| at(m) - centre).collect()
+    };
+    [centred(|m| m.rest), centred(|m| m.goal)]
 }
 
-/// Offsets from the centroid.
-fn centred(points: &[Vec3]) -> Vec<Vec3> {
-    let centre = points.iter().sum::<Vec3>() / points.len() as f64;
-    points.iter().map(|&p| p - centre).collect()
-}
-
-fn collinear(markers: &[[u32; 2]], side: usize, mesh: &Mesh) -> bool {
-    let offsets = centred(&points(markers, side, mesh));
+fn collinear(offsets: &[Vec3]) -> bool {
     let far = offsets.iter().copied().max_by(|a, b| a.length().total_cmp(&b.length())).unwrap_or(Vec3::X);
     let axis = far.normalize_or_zero();
     offsets.iter().all(|p| p.reject_from_normalized(axis).length() <= COLLINEAR * far.length())
 }
 
 /// How far the target's markers are turned against the source's: the angle of the nearest rotation.
-fn turn(source: &Mesh, target: &Mesh, markers: &[[u32; 2]]) -> f64 {
-    let (s, t) = (centred(&points(markers, 0, source)), centred(&points(markers, 1, target)));
-    let covariance = s.iter().zip(&t).map(|(&s, &t)| crate::operators::gradient::outer(t, s)).sum();
+fn turn(source: &[Vec3], target: &[Vec3]) -> f64 {
+    let covariance = source.iter().zip(target).map(|(&s, &t)| crate::operators::gradient::outer(t, s)).sum();
     rotation::log(rotation::nearest_rotation(covariance)).length()
 }
 
 /// Size of the target over size of the source, both in unit coordinates: the root mean square spread
 /// of their markers. 1 (boxes of one size) where the markers have no spread.
-pub fn size_ratio(source: &Mesh, target: &Mesh, markers: &[[u32; 2]]) -> f64 {
-    let spread = |side, mesh: &Mesh| {
-        centred(&points(markers, side, mesh)).iter().map(|p| p.length_squared()).sum::<f64>().sqrt()
-    };
-    let ratio = spread(1, target) / spread(0, source);
+pub fn size_ratio(markers: &[Marker]) -> f64 {
+    let [source, target] = offsets(markers).map(|o| o.iter().map(|p| p.length_squared()).sum::<f64>().sqrt());
+    let ratio = target / source;
     if ratio.is_finite() && ratio > 1e-3 && ratio < 1e3 { ratio } else { 1.0 }
 }

@@ -33,6 +33,21 @@ impl<'a> Side<'a> {
         Self { mesh, surface, component: triangle_components(mesh) }
     }
 
+    /// The mesh.
+    pub fn mesh(&self) -> &'a Mesh {
+        self.mesh
+    }
+
+    /// Its triangles where the fit has put them.
+    pub fn surface(&self) -> &'a Surface {
+        self.surface
+    }
+
+    /// The component of a triangle.
+    pub fn component(&self, triangle: usize) -> u32 {
+        self.component[triangle]
+    }
+
     /// The match of every triangle in `other`; in the partner of its component where that is within
     /// reach.
     fn nearest(&self, other: &Side, partner: &[Option<u32>], reach: f64, job: &Job) -> Result<Matches> {
@@ -59,12 +74,18 @@ impl<'a> Side<'a> {
     }
 }
 
-/// Pairs `(triangle of source, triangle of target)`, sorted, each once, among the triangles in use.
+/// Pairs `(triangle of source, triangle of target)`, sorted, each once, among the triangles in use; and which
+/// components are partners.
 ///
 /// # Errors
 ///
 /// [`crate::Error::Cancelled`].
-pub fn match_triangles(source: &Side, target: &Side, reach: f64, job: &Job) -> Result<Vec<[u32; 2]>> {
+pub fn match_triangles(
+    source: &Side,
+    target: &Side,
+    reach: f64,
+    job: &Job,
+) -> Result<(Vec<[u32; 2]>, Partners)> {
     let counts = [source, target].map(|side| side.mesh.components().count());
     let mut partners = Partners::none(counts);
     let mut of_source = source.nearest(target, &partners.of_source, reach, job)?;
@@ -86,5 +107,5 @@ pub fn match_triangles(source: &Side, target: &Side, reach: f64, job: &Job) -> R
     let mut pairs: Vec<[u32; 2]> = forth.chain(back).collect();
     pairs.sort_unstable();
     pairs.dedup();
-    Ok(pairs)
+    Ok((pairs, partners))
 }

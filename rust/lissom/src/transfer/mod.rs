@@ -20,14 +20,17 @@
 //! | `Q_s`, `C_t` | gradient of a source triangle, target matrix of a target triangle |
 //! | `E_S`, `E_I`, `E_C` | smoothness, identity and closest-point terms of the fit, with weights `w` |
 //! | `c_v` | closest compatible point: the nearest whose normal is within 90 degrees (`closest`) |
+//! | image | where a target vertex lies on the fitted source (`image`) |
 //! | still | a triangle whose vertices a key does not move; a vertex of none but such matches |
 
+mod anchor;
 pub mod apply;
 mod carry;
 mod choose;
 pub(crate) mod closest;
 mod energy;
 pub mod fit;
+mod image;
 mod markers;
 mod matching;
 mod partners;
@@ -37,3 +40,4 @@ mod testing;
 
 pub use apply::{Transfer, TransferOptions, Unmatched, Weighting};
 pub use fit::{Fit, FitOptions, FitReport, fit_correspondence};
+pub use image::Image;

@@ -3,12 +3,14 @@
 //! * Vertices whose matches do not move stay put exactly. Stitching lets them drift a little, since
 //!   targets rarely fit together; the drift is taken out, and smoothed over a few rings around them
 //!   by the same Laplacian, so that no step shows.
-//! * A component without such a vertex follows the centroid of its matches: the displacement of the
+//! * A component with images is where its anchors put it ([`super::anchor`]).
+//! * Any other without such a vertex follows the centroid of its matches: the displacement of the
 //!   matched source triangles, times the size of the component over that of its matches.
 //! * A component without any match follows the nearest matched surface rigidly, or stays.
 
 use std::collections::VecDeque;
 
+use super::anchor::Anchors;
 use super::apply::Unmatched;
 use super::carry::Carry;
 use super::choose::{Chooser, SourceKey};
@@ -36,6 +38,8 @@ struct Part {
     triangles: Vec<u32>,
     /// Size of the component over the size of its matches, both in unit coordinates.
     size: f64,
+    /// Whether anchors say where it goes.
+    anchored: bool,
     /// For a component without matches: the vertices of the nearest matched surface.
     beside: Option<Vec<u32>>,
 }
@@ -47,6 +51,7 @@ impl Placer {
         target: &Mesh,
         matrix: &SymmetricMatrix,
         chooser: &Chooser,
+        anchors: &Anchors,
         unmatched: Unmatched,
     ) -> Self {
         let n = target.vertices().len();
@@ -66,7 +71,11 @@ impl Placer {
             .components()
             .members()
             .into_iter()
-            .map(|vertices| Part { vertices, triangles: Vec::new(), size: 1.0, beside: None })
+            .enumerate()
+            .map(|(c, vertices)| {
+                let anchored = anchors.hold(c);
+                Part { vertices, triangles: Vec::new(), size: 1.0, anchored, beside: None }
+            })
             .collect();
         for (t, corners) in (0u32..).zip(target.triangles()) {
             if let Some(part) = target.components().of_vertex(corners[0] as usize) {
@@ -87,7 +96,8 @@ impl Placer {
     }
 
     fn find_neighbours(&mut self, target: &Mesh, chooser: &Chooser, unmatched: Unmatched) {
-        let has_match = |part: &Part| part.triangles.iter().any(|&t| !chooser.matches(t as usize).is_empty());
+        let has_match =
+            |part: &Part| part.anchored || part.triangles.iter().any(|&t| chooser.is_told(t as usize));
         let corners = |t: &u32| target.triangles()[*t as usize];
         let matched: Vec<[u32; 3]> = self
             .parts
@@ -110,8 +120,15 @@ impl Placer {
     }
 
     /// Fixes the translations of `displacements`, which stitching has found up to one per component.
-    pub fn place(&self, target: &Mesh, chooser: &Chooser, key: &SourceKey, displacements: &mut [Vec3]) {
-        let moves = chooser.moves(key);
+    pub fn place(
+        &self,
+        target: &Mesh,
+        chooser: &Chooser,
+        key: &SourceKey,
+        moved: &[Vec3],
+        displacements: &mut [Vec3],
+    ) {
+        let moves = chooser.moves(target, key, moved);
         let mut at_rest = vec![false; displacements.len()];
         for part in self.parts.iter().filter(|part| part.beside.is_none()) {
             for &v in &part.vertices {
@@ -119,7 +136,9 @@ impl Placer {
                 at_rest[v as usize] = corners.iter().all(|c| !moves[c.triangle as usize]);
             }
             let still: Vec<u32> = part.vertices.iter().copied().filter(|&v| at_rest[v as usize]).collect();
-            let shift = if still.is_empty() {
+            let shift = if part.anchored {
+                Vec3::ZERO
+            } else if still.is_empty() {
                 part.centroid_shift(target, chooser, key, displacements)
             } else {
                 still.iter().map(|&v| -displacements[v as usize]).sum::<Vec3>() / still.len() as f64
