@@ -187,6 +187,17 @@ def require(obj):
         raise Refused(reason)
 
 
+def played(obj, slider, times):
+    """(t, n, 3): what an arc shows at times on it, without easing and without the other keys' part."""
+    arc = find(obj, slider)
+    ends = Ends(obj, arc)
+    keys = np.stack([shape_keys.shape(shape_keys.find(obj, key.name)) for key in arc.keys])
+    if arc.playback != "ABSOLUTE":
+        keys = np.concatenate([ends.mesh.vertices[None], keys]) - (ends.mesh.vertices - ends.first)
+    knots = np.union1d([0.0], [key.time for key in arc.keys])
+    return np.tensordot(hat.weights(knots, times), keys, axes=1)
+
+
 def remove(obj, slider):
     """Removes an arc with its keys and its slider; returns warnings."""
     arc = find(obj, slider)

@@ -1,0 +1,1 @@
+"""The subcommands of ``blender --command lissom``: each has SUMMARY, configure(parser) and run(arguments)."""
