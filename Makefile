@@ -1,4 +1,5 @@
 # make demo       the three jobs on real data, headless: build/demo/report.md, pictures, a .blend
+# make gallery    the thesis's and the survey's poses by all methods; the latter needs LISSOM_DATA
 # make test       every test: core, binding, add-on logic, and inside real Blenders
 # make lint       rustfmt, clippy, ruff
 # make bench      measured against libigl and Blender's Laplacian Deform; needs LISSOM_DATA
@@ -18,7 +19,7 @@ TOOLS := .venv/tools/ready
 WHEEL := dist/wheel.stamp
 
 .SECONDARY:
-.PHONY: all demo test test-rust test-native test-blender lint extension bench clean
+.PHONY: all demo gallery test test-rust test-native test-blender lint extension bench clean
 all: extension
 
 # --- tools, wheel, Blenders -------------------------------------------------------------------------
@@ -51,6 +52,9 @@ $(WHEEL): $(TOOLS) $(RUST) LICENSE rust/lissom-py/lissom.pyi
 demo: .venv/bpy-5.0/ready
 	.venv/bpy-5.0/bin/python demo/run.py --out build/demo
 
+gallery: .venv/bpy-5.0/ready
+	.venv/bpy-5.0/bin/python demo/gallery.py --out build/gallery
+
 test: test-rust test-native test-blender
 
 test-rust:
@@ -77,9 +81,11 @@ extension: $(WHEEL)
 
 bench: $(WHEEL)
 	test -x .venv/bench/bin/python || $(PYTHON) -m venv .venv/bench
-	.venv/bench/bin/python $(PIP_INSTALL) 'bpy==5.0.*' 'libigl==2.6.*'
+	# 5.0 crashes in its own Laplacian Deform.
+	.venv/bench/bin/python $(PIP_INSTALL) 'bpy==4.2.*' 'libigl==2.6.*' 'pytest>=8,<10'
 	.venv/bench/bin/python $(PIP_INSTALL) --force-reinstall --no-deps dist/*.whl
 	.venv/bench/bin/python bench/pose.py --out build/bench
+	.venv/bench/bin/python bench/live.py
 
 clean:
 	rm -rf .venv build dist target

@@ -6,6 +6,7 @@ method that stops early goes on from there while nothing moves. In background mo
 the solve is done at once. Only moved Empties count, and the solve moves none: it cannot call itself.
 """
 
+import contextlib
 import time
 
 import bpy
@@ -18,6 +19,7 @@ from .bridge.screen import redraw_sidebars
 from .core.refused import Refused
 
 _due = set()  # names of mesh objects to solve
+_paused = False
 _delay = 0.0  # seconds until the next solve: half of what the last one took, to leave time for drawing
 MAX_DELAY = 0.25
 BUDGET = 0.05  # seconds that an iterative method may take in one go while the artist watches
@@ -38,12 +40,12 @@ def update(obj, seconds=None):
     started = time.perf_counter()
     try:
         bound = poses.current(obj)
-        transforms = poses.transforms(obj)
-        if not bound.is_due(transforms):
+        motion = poses.motion(obj)
+        if not bound.is_due(motion):
             return False
         poses.preview(obj)
         options = {"max_iterations": bound.iterations_within(seconds)} if seconds else {}
-        vertices, _ = bound.solve(transforms, **options)
+        vertices, _ = bound.solve(motion, **options)
         poses.show(obj, vertices)
     except (Refused, lissom.Error) as error:
         session.status[obj.name] = ("ERROR", str(error))
@@ -68,8 +70,21 @@ def _flush():
     return _delay if _due else None
 
 
+@contextlib.contextmanager
+def paused():
+    """Empties may be moved meanwhile, and no mesh follows."""
+    global _paused
+    _paused = True
+    try:
+        yield
+    finally:
+        _paused = False
+
+
 @persistent
 def _on_update(scene, depsgraph):
+    if _paused:
+        return
     for change in depsgraph.updates:
         if not change.is_updated_transform or not isinstance(change.id, bpy.types.Object):
             continue

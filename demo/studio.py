@@ -23,8 +23,8 @@ class Tile:
     """What one tile shows.
 
     ``meshes`` are shown with the materials they have, turned by ``turn`` degrees about z, the vertical, and
-    framed by ``centre`` (x, z) and ``height`` in scene units. ``marks`` are spheres: position, radius,
-    material.
+    framed by ``centre`` (x, z) and ``height`` in scene units, label included. ``marks`` are spheres:
+    position, radius, material.
     """
 
     meshes: list
@@ -34,6 +34,7 @@ class Tile:
     turn: float = 0.0
     note: str = ""
     marks: list = field(default_factory=list)
+    text: float = 1.0  # size of the letters
 
 
 class Studio:
@@ -97,10 +98,11 @@ class Studio:
         self._camera.data.ortho_scale = tile.height * max(1.0, width / height)
         unit = tile.height
         bottom = z - 0.5 * tile.height
-        shown.append(self._plate(x, bottom, unit))
-        shown.append(self._text(tile.label, x, bottom + 0.062 * unit, 0.052 * unit))
+        letter = tile.text * unit
+        shown.append(self._plate(x, bottom, unit * max(1.0, width / height), 0.125 * letter))
+        shown.append(self._text(tile.label, x, bottom + 0.062 * letter, 0.052 * letter))
         if tile.note:
-            shown.append(self._text(tile.note, x, bottom + 0.018 * unit, 0.040 * unit))
+            shown.append(self._text(tile.note, x, bottom + 0.018 * letter, 0.040 * letter))
         self.scene.render.resolution_x, self.scene.render.resolution_y = width, height
         pixels = self._pixels()
         for obj in shown:
@@ -135,14 +137,14 @@ class Studio:
         made.visible_shadow = made.visible_diffuse = made.visible_glossy = False
         return made
 
-    def _plate(self, x, bottom, unit):
+    def _plate(self, x, bottom, unit, top):
         """The strip under the figure that the label stands on."""
         mesh = bpy.data.meshes.new("Plate")
         corners = [
             (-unit, 0, -0.1 * unit),
             (unit, 0, -0.1 * unit),
-            (unit, 0, 0.125 * unit),
-            (-unit, 0, 0.125 * unit),
+            (unit, 0, top),
+            (-unit, 0, top),
         ]
         mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
         mesh.materials.append(self._paper)

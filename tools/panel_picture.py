@@ -6,8 +6,8 @@
     DISPLAY=:9 import -window root docs/pictures/panel.png      once it prints "ready"
 
 Click on the header of Pose before taking it, to fold that. With ``-- pose`` after the script's name it sets
-the scene of docs/pictures/panel_pose.png, a bound head; click on Options there, and cut out the sidebar
-with ``-crop 985x670+330+62``.
+the scene of docs/pictures/panel_pose.png, a bound head; open Bake Animation and Options there, and cut it out
+with ``-crop 985x840+330+62``.
 
 ImageMagick's import takes the picture: Blender's own screenshot is black on a display without graphics card.
 """

@@ -33,7 +33,9 @@ def triangles(mesh):
 def corners(mesh):
     """(c,) int32: the vertex of every corner of every face."""
     flat = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.loops.foreach_get("vertex_index", flat)
+    if len(flat):
+        # The attribute is a plain copy, 50 times as fast as the loops' own property.
+        mesh.attributes[".corner_vert"].data.foreach_get("value", flat)
     return flat
 
 

@@ -5,7 +5,7 @@ import numpy as np
 
 from .. import session
 from ..core import pose as core_pose
-from ..core import space
+from ..core import space, turns
 from ..core.pose import check_groups
 from ..core.pose_options import Asked, options_of
 from ..core.refused import Refused, first
@@ -141,6 +141,17 @@ def remove_preview(obj):
         obj.shape_key_clear()
 
 
+def mute_baked(obj, mute):
+    """Silences what Bake made of the object, which would add to a live pose, or lets it play again."""
+    settings, keys = obj.lissom_pose, obj.data.shape_keys
+    for baked in settings.baked:
+        if keys and baked.name in keys.key_blocks:
+            keys.key_blocks[baked.name].mute = mute
+    modifier = obj.modifiers.get(settings.baked_cache)
+    if modifier is not None:
+        modifier.show_viewport = modifier.show_render = not mute
+
+
 def alive_handles(obj):
     """The handles of the object; Refused where an Empty was deleted or is another object's."""
     reason = foreign_handles(obj)
@@ -156,12 +167,19 @@ def alive_handles(obj):
     return handles
 
 
-def transforms(obj):
-    """(h, 4, 4): rest -> posed of every handle, in solve space."""
-    handles = alive_handles(obj)
+def motion(obj, tracker=None):
+    """Where the handles are now, as core.pose.Motion; a turns.Tracker goes with a row of frames."""
+    handles, linear = alive_handles(obj), linear_part(obj)
     rest = np.array([handle.rest for handle in handles], dtype=np.float64).reshape(-1, 4, 4)
     posed = np.array([empties.matrix_in(obj, handle.empty) for handle in handles])
-    return space.handle_transforms(linear_part(obj), rest, posed)
+    transforms = space.handle_transforms(linear, rest, posed)
+    if not np.isfinite(transforms).all():
+        return core_pose.Motion(transforms)  # refused by whoever solves
+    told = [
+        empties.told_turn(obj, handle.empty, handle.rotation_mode, handle.rotation, linear, transform)
+        for handle, transform in zip(handles, transforms, strict=True)
+    ]
+    return core_pose.Motion(transforms, (tracker or turns.Tracker()).turns(transforms, told))
 
 
 def show(obj, vertices):

@@ -1,5 +1,7 @@
 """A bound mesh: handles and region by name, checked, and the native pose that follows the handles."""
 
+from typing import NamedTuple
+
 import lissom
 import numpy as np
 
@@ -8,6 +10,9 @@ from .work import Work
 
 # Empties keep their place in single precision: below this part of the mesh's extent a handle stands still.
 STILL = 2e-6
+
+# A handle that has turned this far since the last solve is not where that left the mesh.
+TURNED = np.pi / 2
 
 # A method takes two small steps in a row for convergence: with fewer in one go it would never find any.
 FEWEST_ITERATIONS = 4
@@ -64,6 +69,13 @@ def bind_work(vertices, triangles, corners, handles, weights, roi, asked):
     return Work(steps())
 
 
+class Motion(NamedTuple):
+    """Where the handles are: matrices (h, 4, 4), rest -> posed in solve space; turns (h, 3) or None."""
+
+    transforms: np.ndarray
+    turns: np.ndarray | None = None
+
+
 class BoundPose:
     """The native pose of one bound mesh, with what it was made from, to tell whether it still holds."""
 
@@ -81,13 +93,13 @@ class BoundPose:
 
     def put_to_rest(self):
         """The mesh is shown at rest, all handles stand where they were bound."""
-        self._transforms = np.tile(np.eye(4), (self._handles, 1, 1))
+        self._motion = Motion(np.tile(np.eye(4), (self._handles, 1, 1)))
         self._converged = True
         self._warm = False
 
     def forget(self):
         """What is shown is not the last solve: the next occasion solves, and from the rest shape."""
-        self._transforms = None
+        self._motion = None
         self._warm = False
 
     def fits(self, vertices, corners, asked):
@@ -98,29 +110,46 @@ class BoundPose:
             and np.array_equal(vertices, self.vertices)
         )
 
-    def is_due(self, transforms):
+    def is_due(self, motion):
         """True where a solve would change what is shown: a handle moved, or the last solve stopped early."""
-        if self._transforms is None or not self._converged:
+        if self._motion is None or not self._converged or self._jumps(motion):
             return True
-        change = np.abs(transforms - self._transforms)
+        change = np.abs(motion.transforms - self._motion.transforms)
         return change[:, :3, :3].max() > STILL or change[:, :3, 3].max() > STILL * self.extent
 
-    def solve(self, transforms, **options):
-        """One solve, at once: (n, 3) in solve space and the report; ``options`` of lissom.Pose.solve."""
-        return self._note(transforms, self.pose.solve(transforms, warm_start=self._warm, **options))
+    def _jumps(self, motion):
+        """True where a handle's turns are others than those the last solve went through."""
+        if motion.turns is None and self._motion.turns is None:
+            return False
+        none = np.zeros((self._handles, 3))
+        before, now = (none if m.turns is None else m.turns for m in (self._motion, motion))
+        # From half a turn on they are told: what is not told is less.
+        least = TURNED if motion.turns is not None and self._motion.turns is not None else np.pi + TURNED
+        return np.linalg.norm(now - before, axis=1).max() > least
 
-    def work(self, transforms, **options):
+    def _arguments(self, motion, options):
+        warm = self._warm and not self._jumps(motion)
+        return {"turns": motion.turns, "warm_start": warm, **options}
+
+    def solve(self, motion, **options):
+        """One solve, at once: (n, 3) in solve space and the report; ``options`` of lissom.Pose.solve."""
+        return self._note(motion, self.pose.solve(motion.transforms, **self._arguments(motion, options)))
+
+    def work(self, motion, **options):
         """The same on a thread of its own, as Work; its result is that of ``solve``."""
 
         def steps():
-            return self._note(
-                transforms, (yield self.pose.start(transforms, warm_start=self._warm, **options))
-            )
+            return (yield from self.steps(motion, **options))
 
         return Work(steps())
 
-    def _note(self, transforms, result):
-        self._transforms = transforms
+    def steps(self, motion, **options):
+        """The same as a part of longer work."""
+        job = self.pose.start(motion.transforms, **self._arguments(motion, options))
+        return self._note(motion, (yield job))
+
+    def _note(self, motion, result):
+        self._motion = motion
         self._converged = result.report["converged"]
         self._seconds = result.report["seconds"] / max(1, result.report["iterations"])
         self._warm = True

@@ -15,8 +15,10 @@ import lissom
 class Work:
     """Drives one such generator. ``result`` holds what it returned once ``finished`` is True."""
 
-    def __init__(self, steps):
+    def __init__(self, steps, count=None, stage=None):
+        """``count`` and ``stage``, where it is a row of jobs alike: how many, and what one is called."""
         self._steps = steps
+        self._count, self._stage, self._place = count, stage, -1
         self._job = None
         self._cancelled = False
         self.finished = False
@@ -26,6 +28,7 @@ class Work:
     def _advance(self, value):
         try:
             self._job = self._steps.send(value)
+            self._place += 1
         except StopIteration as stop:
             self._job = None
             self.finished = True
@@ -35,6 +38,9 @@ class Work:
     def progress(self):
         """(fraction in [0, 1], stage) of the job that runs now."""
         fraction, stage = self._job.progress if self._job else (1.0, "done")
+        if self._count and self._job:
+            place = min(self._place, self._count - 1)
+            return (place + fraction) / self._count, f"{self._stage} {place + 1} of {self._count}"
         return fraction, stage or "starting"
 
     def poll(self):

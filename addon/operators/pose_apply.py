@@ -56,7 +56,7 @@ class LISSOM_OT_pose_apply(JobOperator, bpy.types.Operator):
                 raise Refused(f"'{self._name}' is the shape key that the pose builds on: choose another name")
             checks.require_unlocked([key])
         self._mesh = meshes.Snapshot.of(obj, poses.linear_part(obj))
-        return bound.work(poses.transforms(obj), max_iterations=self.max_iterations)
+        return bound.work(poses.motion(obj), max_iterations=self.max_iterations)
 
     def finish(self, context, result):
         vertices, report = result

@@ -88,7 +88,10 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
         self._rests = {}  # by the handle's name
         for handle in poses.alive_handles(obj):
             space.linear_part(handle.empty.matrix_world, handle.empty.name)
-            self._rests[handle.name] = empties.matrix_in(obj, handle.empty).ravel()
+            self._rests[handle.name] = (
+                empties.matrix_in(obj, handle.empty).ravel(),
+                *empties.channels(handle.empty),
+            )
         self._mesh = meshes.Snapshot.of(obj, linear)
         return poses.bind_work(obj, linear, self.asked())
 
@@ -106,10 +109,11 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
         settings.preview = names.unused(PREVIEW, obj.data.shape_keys.key_blocks.keys())
         shape_keys.write(obj, settings.preview, shape_keys.shape(basis), shape_keys.Settings(value=1.0))
         for handle in settings.handles:
-            handle.rest = self._rests[handle.name]
+            handle.rest, handle.rotation_mode, handle.rotation = self._rests[handle.name]
         settings.topology = self._mesh.topology
         settings.linear = self._mesh.linear.ravel()
         poses.keep(settings, result.asked)
+        poses.mute_baked(obj, True)
         settings.bound = True
         session.poses[obj.session_uid] = result
         session.status[obj.name] = ("CHECKMARK", "Bound: move an Empty")
@@ -138,7 +142,7 @@ class LISSOM_OT_pose_update(JobOperator, bpy.types.Operator):
         bound = poses.current(obj)
         poses.preview(obj)
         self._mesh = meshes.Snapshot.of(obj, poses.linear_part(obj))
-        return bound.work(poses.transforms(obj), max_iterations=self.max_iterations)
+        return bound.work(poses.motion(obj), max_iterations=self.max_iterations)
 
     def finish(self, context, result):
         vertices, report = result
@@ -185,17 +189,23 @@ class LISSOM_OT_pose_unbind(bpy.types.Operator):
     def execute(self, context):
         obj = checks.mesh_object(self.object, context)
         checks.require_writable(obj)
-        settings = obj.lissom_pose
-        if not settings.bound:
+        if not obj.lissom_pose.bound:
             raise Refused(f"'{obj.name}' is not bound")
-        poses.place_at_rest(obj)
-        poses.drop_foreign_handles(obj)
-        settings.bound = False
-        poses.remove_preview(obj)
-        settings.property_unset("preview")
-        rebind.drop(obj)
-        session.poses.pop(obj.session_uid, None)
-        session.status.pop(obj.name, None)
+        unbind(obj)
+
+
+def unbind(obj):
+    """Drops the live pose of a bound mesh."""
+    settings = obj.lissom_pose
+    poses.place_at_rest(obj)
+    poses.drop_foreign_handles(obj)
+    settings.bound = False
+    poses.remove_preview(obj)
+    settings.property_unset("preview")
+    poses.mute_baked(obj, False)
+    rebind.drop(obj)
+    session.poses.pop(obj.session_uid, None)
+    session.status.pop(obj.name, None)
 
 
 classes = (LISSOM_OT_pose_bind, LISSOM_OT_pose_update, LISSOM_OT_pose_reset, LISSOM_OT_pose_unbind)

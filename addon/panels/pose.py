@@ -153,7 +153,27 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         row.scale_y = 1.4
         apply = row.operator("lissom.pose_apply", icon="CHECKMARK")
         apply.object, apply.name = obj.name, settings.key_name
+        self._draw_bake(layout, obj, settings)
         layout.operator("lissom.pose_unbind", icon="UNLINKED").object = obj.name
+
+    def _draw_bake(self, layout, obj, settings):
+        header, body = layout.panel("LISSOM_pose_bake", default_closed=True)
+        header.label(text="Bake Animation")
+        if not body:
+            return
+        scene = bpy.context.scene
+        column = split_column(body)
+        column.prop(settings, "bake_output")
+        row = column.row(align=True)
+        row.prop(scene, "frame_start", text="Frames")
+        row.prop(scene, "frame_end", text="")
+        column.prop(settings, "bake_step")
+        if settings.bake_output == "CACHE":
+            column.prop(settings, "bake_path", text="File")
+        bake = body.operator("lissom.pose_bake", icon="RENDER_ANIMATION")
+        bake.object, bake.name = obj.name, settings.key_name
+        bake.output, bake.step = settings.bake_output, settings.bake_step
+        bake.filepath = settings.bake_path
 
 
 classes = (LISSOM_UL_handles, LISSOM_MT_handle_add, LISSOM_PT_pose)

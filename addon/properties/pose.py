@@ -18,6 +18,24 @@ from ..core.pose_options import METHODS, OPTIONS
 # The table's place is what a file stores.
 METHOD_ITEMS = [(*item, number) for number, item in enumerate(METHODS)]
 
+BAKE_ITEMS = [
+    (
+        "KEYS",
+        "Shape Keys",
+        "A shape key for every frame, with keyframes on its value: exports to any engine",
+        0,
+    ),
+    (
+        "CACHE",
+        "Point Cache",
+        "A PC2 file and a Mesh Cache modifier that plays it: for long or dense animation",
+        1,
+    ),
+]
+BAKE_OUTPUT = "What the motion of the mesh is kept in"
+BAKE_STEP = "Frames from one baked shape to the next; between them the mesh goes straight"
+BAKE_PATH = "Where to put the point cache. Empty: beside the .blend file, named after the object"
+
 
 def option_property(option, **also):
     """The Blender property of one option of the table."""
@@ -95,6 +113,16 @@ class LissomHandle(bpy.types.PropertyGroup):
     rest: FloatVectorProperty(
         size=16, description="Matrix of the Empty at Bind, in the object's coordinates, by rows"
     )
+    rotation_mode: StringProperty(description="Rotation mode of the Empty at Bind")
+    rotation: FloatVectorProperty(
+        size=4, description="Rotation of the Empty at Bind as its mode keeps it, to count whole turns from"
+    )
+
+
+class LissomBakedKey(bpy.types.PropertyGroup):
+    """A shape key that Bake made, by name."""
+
+    name: StringProperty()
 
 
 class LissomPose(bpy.types.PropertyGroup):
@@ -124,6 +152,11 @@ class LissomPose(bpy.types.PropertyGroup):
     key_name: StringProperty(
         name="Key", description="Name of the shape key that Apply makes of the pose", default="Pose"
     )
+    bake_output: EnumProperty(name="Output", description=BAKE_OUTPUT, items=BAKE_ITEMS, default="KEYS")
+    bake_step: IntProperty(name="Step", description=BAKE_STEP, default=1, min=1, max=1000)
+    bake_path: StringProperty(name="Cache File", description=BAKE_PATH, subtype="FILE_PATH")
+    baked: CollectionProperty(type=LissomBakedKey)
+    baked_cache: StringProperty(options={"HIDDEN"}, description="Name of the modifier that plays the cache")
     # Written by Bind.
     bound: BoolProperty(options={"HIDDEN"})
     preview: StringProperty(options={"HIDDEN"}, description="Name of the shape key that shows the pose")
@@ -134,7 +167,7 @@ class LissomPose(bpy.types.PropertyGroup):
     )
 
 
-classes = (LissomHandle, *_GROUPS.values(), LissomPoseOptions, LissomPose)
+classes = (LissomHandle, LissomBakedKey, *_GROUPS.values(), LissomPoseOptions, LissomPose)
 
 
 def register():

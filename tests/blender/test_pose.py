@@ -76,7 +76,7 @@ def test_the_pose_is_what_the_native_module_solves():
     rest = scene.key_points(obj, "Basis")
     mesh = lissom.Mesh(rest, meshes.triangles(obj.data))
     handles = [np.flatnonzero(rest[:, 2] < -2.5), np.flatnonzero(rest[:, 2] > 2.5)]
-    transforms = poses.transforms(obj)  # not bend itself: a flat minimum answers to rounding
+    transforms = poses.motion(obj).transforms  # not bend itself: a flat minimum answers to rounding
     assert_allclose(transforms, [np.eye(4), np.array(bend)], atol=1e-6)
     expected = lissom.Pose(mesh, handles).solve(transforms)
     assert expected.report["converged"]
@@ -121,9 +121,9 @@ def bound_by(choice):
 @pytest.mark.parametrize("choice", CHOICES, ids=lambda choice: choice["method"])
 def test_every_option_reaches_the_native_module_also_after_loading(choice, tmp_path):
     obj = bound_by(choice)
-    expected = native(obj, poses.transforms(obj), **choice)
+    expected = native(obj, poses.motion(obj).transforms, **choice)
     assert_allclose(scene.shown(obj), expected, atol=2e-5)
-    default = native(obj, poses.transforms(obj), method=choice["method"])
+    default = native(obj, poses.motion(obj).transforms, method=choice["method"])
     assert np.abs(default - expected).max() > 1e-3
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "bound.blend"))
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -132,7 +132,7 @@ def test_every_option_reaches_the_native_module_also_after_loading(choice, tmp_p
     assert not session.poses
     scene.empty(obj, "top").location.x += 0.5
     bpy.context.view_layer.update()
-    expected = native(obj, poses.transforms(obj), **choice)
+    expected = native(obj, poses.motion(obj).transforms, **choice)
     assert_allclose(scene.shown(obj), expected, atol=2e-5)
     asked = session.poses[obj.session_uid].asked
     assert choice.items() <= ({"method": asked.method} | asked.options).items()
@@ -156,7 +156,7 @@ def test_an_option_changed_while_bound_is_followed_at_once():
     obj = bound_by({"method": "laplacian_fitted"})
     settings = obj.lissom_pose
     assert settings.options.laplacian_fitted.scale is False  # unlike the core: the published energy swells
-    transforms = poses.transforms(obj)
+    transforms = poses.motion(obj).transforms
     for change in ({"scale": True}, {"weights": "cotangent"}):
         for name, value in change.items():
             setattr(settings.options.laplacian_fitted, name, value)
@@ -170,7 +170,7 @@ def test_an_option_changed_while_bound_is_followed_at_once():
 def test_a_window_binds_anew_beside_blender(monkeypatch):
     """Its timers do not run here (tests/blender/window.py has them): their function is called by hand."""
     obj = bound_by({"method": "thin_shell"})
-    transforms, before = poses.transforms(obj), scene.key_points(obj, PREVIEW)
+    transforms, before = poses.motion(obj).transforms, scene.key_points(obj, PREVIEW)
     monkeypatch.setattr(rebind, "bpy", windowed := Windowed())
     options = obj.lissom_pose.options.thin_shell
     options.k_s, options.k_b = 5.0, 0.3
@@ -281,7 +281,7 @@ def test_weights_of_the_groups_make_the_edges_of_the_handles_soft(method):
         bpy.context.view_layer.update()
         given = {"scale": False} if method == "laplacian_fitted" else {}
         membership = weight if use_weights else None
-        expected = native(obj, poses.transforms(obj), membership, method=method, **given)
+        expected = native(obj, poses.motion(obj).transforms, membership, method=method, **given)
         shown[use_weights] = scene.shown(obj)
         assert_allclose(shown[use_weights], expected, atol=2e-5)
         bpy.ops.lissom.pose_unbind(object=obj.name)
@@ -668,7 +668,7 @@ def test_an_empty_that_is_scaled_to_nothing_makes_no_traceback(value, capfd):
 
 def test_a_bug_in_live_is_told_once(monkeypatch):
     obj = scene.bound_tube()
-    monkeypatch.setattr(poses, "transforms", lambda _: 1 / 0)
+    monkeypatch.setattr(poses, "motion", lambda _: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         live.update(obj)
     assert not obj.lissom_pose.live

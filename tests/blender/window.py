@@ -179,6 +179,74 @@ def check_row_40_bind_cancelled_at_once_with_nothing_changed():
     bpy.ops.lissom.pose_bind(object=obj.name, method="laplacian")
 
 
+def check_row_42_undo_while_bind_runs():
+    new_file()
+    push("empty")
+    push("empty still")
+    start_long_bind()
+    yield
+    with window():
+        bpy.ops.ed.undo()
+    yield from until(lambda: session.work is None, 5.0)
+    assert not any(obj.lissom_pose.bound for obj in bpy.data.objects)
+
+
+def check_row_42_the_object_is_deleted_while_bind_runs():
+    obj = start_long_bind()
+    bpy.data.objects.remove(obj)
+    yield from until(lambda: session.work is None, 60.0)
+    assert not any(obj.lissom_pose.bound for obj in bpy.data.objects)
+
+
+def start_long_bake():
+    """Leaves Bake running over frames in which the upper handle turns twice."""
+    new_file()
+    obj = scene.tube(rings=200, around=100)
+    for name, side in (("bottom", -1), ("top", 1)):
+        scene.group(obj, name, lambda co, side=side: side * co.z > 2.5)
+        bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group=name)
+    bpy.ops.lissom.pose_bind(object=obj.name, method="poisson")
+    top = scene.empty(obj, "top")
+    for frame, turns in ((1, 0), (60, 2)):
+        top.rotation_euler.z = 2 * np.pi * turns
+        top.keyframe_insert("rotation_euler", frame=frame)
+    bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 60
+    bpy.context.scene.frame_set(30)
+    push("before the bake")
+    with window():
+        assert bpy.ops.lissom.pose_bake("INVOKE_DEFAULT", object=obj.name) == {"RUNNING_MODAL"}
+    return obj
+
+
+def check_bake_runs_beside_blender_and_is_one_undo_step():
+    obj = start_long_bake()
+    stages = set()
+    while session.work is not None:
+        stages.add(session.work.progress[1])
+        assert obj.lissom_pose.bound and bpy.context.scene.frame_current == 30
+        yield
+    assert len(stages) > 3, "the window stood still"
+    assert not obj.lissom_pose.bound
+    assert len(obj.data.shape_keys.key_blocks) == 61
+    with window():
+        bpy.ops.ed.undo()
+    obj = bpy.data.objects["Tube"]
+    assert obj.lissom_pose.bound
+    assert obj.data.shape_keys.key_blocks.keys() == ["Basis", PREVIEW]
+
+
+def check_row_40_a_bake_cancelled_changes_nothing():
+    obj = start_long_bake()
+    for _ in range(4):
+        yield
+    started = time.monotonic()
+    session.work.cancel()
+    yield from until(lambda: session.work is None, 2.0)
+    print(f"        in {time.monotonic() - started:.2f} s")
+    assert obj.lissom_pose.bound
+    assert obj.data.shape_keys.key_blocks.keys() == ["Basis", PREVIEW]
+
+
 def check_operators_are_undone_in_one_step():
     new_file()
     obj = scene.bound_tube()

@@ -20,28 +20,47 @@ def volume(points: np.ndarray, faces: np.ndarray) -> float:
     return float((a * np.cross(b, c)).sum() / 6)
 
 
+def closed_volume(points: np.ndarray, faces: np.ndarray) -> float:
+    """Volume, with a cone from the centre of all border vertices over every border."""
+    sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    n = len(points)
+    alone = ~np.isin(sides[:, 0] * n + sides[:, 1], sides[:, 1] * n + sides[:, 0])
+    if not alone.any():
+        return volume(points, faces)
+    border = sides[alone]
+    apex = points[np.unique(border)].mean(axis=0)
+    cone = np.column_stack([border[:, ::-1], np.full(len(border), n)])
+    return volume(np.vstack([points, apex]), np.vstack([faces, cone]))
+
+
+def dihedral_angles(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Signed angle between the normals of every two neighbours, in radians; edges in ascending order."""
+    sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).astype(np.int64)
+    triangle = np.tile(np.arange(len(faces)), 3)
+    n = len(points)
+    code, back = sides[:, 0] * n + sides[:, 1], sides[:, 1] * n + sides[:, 0]
+    order = np.argsort(code)
+    ahead = np.flatnonzero((sides[:, 0] < sides[:, 1]) & np.isin(code, back))
+    ahead = ahead[np.argsort(code[ahead])]
+    other = order[np.searchsorted(code[order], back[ahead])]
+    normal = np.cross(points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    first, second = normal[triangle[ahead]], normal[triangle[other]]
+    along = points[sides[ahead, 1]] - points[sides[ahead, 0]]
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    return np.arctan2((along * np.cross(first, second)).sum(1), (first * second).sum(1))
+
+
 def dihedral_change(rest: np.ndarray, posed: np.ndarray, faces: np.ndarray) -> float:
     """Root mean square change of dihedral angles, in degrees."""
-    sides = {}
-    for t, (a, b, c) in enumerate(faces.tolist()):
-        for i, j in ((a, b), (b, c), (c, a)):
-            sides.setdefault((min(i, j), max(i, j)), []).append((t, i < j))
-    inner = [(e, *sorted(s, key=lambda side: -side[1])) for e, s in sides.items() if len(s) == 2]
-    e, first, second = (
-        np.array([x[0] for x in inner]),
-        *(np.array([x[k][0] for x in inner]) for k in (1, 2)),
-    )
-
-    def angles(p):
-        n = np.cross(p[faces[:, 1]] - p[faces[:, 0]], p[faces[:, 2]] - p[faces[:, 0]])
-        n /= np.linalg.norm(n, axis=1)[:, None]
-        along = p[e[:, 1]] - p[e[:, 0]]
-        along /= np.linalg.norm(along, axis=1)[:, None]
-        m, n = n[first], n[second]
-        return np.arctan2((along * np.cross(m, n)).sum(1), (m * n).sum(1))
-
-    change = (angles(posed) - angles(rest) + np.pi) % (2 * np.pi) - np.pi
+    change = dihedral_angles(posed, faces) - dihedral_angles(rest, faces)
+    change = (change + np.pi) % (2 * np.pi) - np.pi
     return float(np.degrees(np.sqrt(np.mean(change**2))))
+
+
+def smallest_dihedral(points: np.ndarray, faces: np.ndarray) -> float:
+    """Angle between the two faces at the sharpest edge, in degrees: 180 is flat, 0 folded onto itself."""
+    return float(180 - np.degrees(np.abs(dihedral_angles(points, faces)).max()))
 
 
 def ring_twist(rest: np.ndarray, posed: np.ndarray, rows: int, columns: int) -> np.ndarray:

@@ -1,8 +1,12 @@
 //! Sparse symmetric matrices, stored as their lower triangle.
 
-use faer::sparse::{SparseColMat, SymbolicSparseColMat, Triplet};
+use faer::sparse::{SparseColMat, SymbolicSparseColMat};
+use rayon::prelude::*;
 
 use crate::Mat3;
+
+/// Columns that a thread takes at once.
+const GRAIN: usize = 4096;
 
 /// A sparse symmetric matrix; only the lower triangle is stored.
 #[derive(Debug, Clone)]
@@ -16,9 +20,27 @@ impl SymmetricMatrix {
     ///
     /// Where an index is not below `n`: the caller has validated the mesh.
     pub fn from_entries(n: usize, entries: impl IntoIterator<Item = (u32, u32, f64)>) -> Self {
-        let triplets: Vec<Triplet<u32, u32, f64>> =
-            entries.into_iter().map(|(i, j, value)| Triplet::new(i.max(j), i.min(j), value)).collect();
-        Self(SparseColMat::try_new_from_triplets(n, n, &triplets).expect("indices are within the matrix"))
+        // A counting sort by column, then each column by row: entries are many, columns short.
+        let entries: Vec<(u32, u32, f64)> =
+            entries.into_iter().map(|(i, j, value)| (i.max(j), i.min(j), value)).collect();
+        let start = offsets(n, entries.iter().map(|entry| entry.1));
+        let mut next = start.clone();
+        let mut sorted = vec![(0, 0.0); entries.len()];
+        for (i, j, value) in entries {
+            sorted[next[j as usize]] = (i, value);
+            next[j as usize] += 1;
+        }
+        let (mut starts, mut rows, mut values) = (vec![0u32], Vec::<u32>::new(), Vec::<f64>::new());
+        for j in 0..n {
+            let column = &mut sorted[start[j]..start[j + 1]];
+            column.sort_by_key(|&(i, _)| i);
+            for same in column.chunk_by(|a, b| a.0 == b.0) {
+                rows.push(same[0].0);
+                values.push(same.iter().map(|&(_, value)| value).sum());
+            }
+            starts.push(rows.len() as u32);
+        }
+        Self::from_parts(starts, rows, values)
     }
 
     /// The 3n x 3n matrix of 3 x 3 blocks. `fill(k, list)` lists the block column `k` from its diagonal
@@ -78,13 +100,52 @@ impl SymmetricMatrix {
     /// `sum over rows (w, a) of w a a^T`, where a row is a list of `(column, value)` that names no column
     /// twice.
     pub fn normal<'a>(n: usize, rows: impl IntoIterator<Item = (f64, &'a [(u32, f64)])>) -> Self {
-        let mut entries = Vec::new();
-        for (w, row) in rows {
-            for (k, &(i, a)) in row.iter().enumerate() {
-                entries.extend(row[..=k].iter().map(|&(j, b)| (i, j, w * a * b)));
+        let rows: Vec<(f64, &[(u32, f64)])> = rows.into_iter().collect();
+        let named = || rows.iter().flat_map(|(_, row)| row.iter());
+        let start = offsets(n, named().map(|&(j, _)| j));
+        let mut next = start.clone();
+        let mut namers = vec![0u32; named().count()];
+        for (r, (_, row)) in (0u32..).zip(&rows) {
+            for &(j, _) in *row {
+                namers[next[j as usize]] = r;
+                next[j as usize] += 1;
             }
         }
-        Self::from_entries(n, entries)
+        // Column by column, from the rows that name it: each sum in the order of the rows, whoever adds it up.
+        let columns: Vec<Vec<(u32, f64)>> = (0..n)
+            .into_par_iter()
+            .with_min_len(GRAIN)
+            .map_init(
+                || (vec![0.0; n], vec![false; n]),
+                |(sum, touched), j| {
+                    let mut column = Vec::new();
+                    for &r in &namers[start[j]..start[j + 1]] {
+                        let (w, row) = rows[r as usize];
+                        let own = row.iter().find(|(i, _)| *i as usize == j).map_or(0.0, |(_, a)| *a);
+                        for &(i, a) in row.iter().filter(|(i, _)| *i as usize >= j) {
+                            if !touched[i as usize] {
+                                touched[i as usize] = true;
+                                column.push((i, 0.0));
+                            }
+                            sum[i as usize] += w * own * a;
+                        }
+                    }
+                    column.sort_unstable_by_key(|&(i, _)| i);
+                    for (i, value) in &mut column {
+                        *value = std::mem::take(&mut sum[*i as usize]);
+                        touched[*i as usize] = false;
+                    }
+                    column
+                },
+            )
+            .collect();
+        let mut starts = vec![0u32];
+        starts.extend(columns.iter().scan(0, |sum, column| {
+            *sum += column.len() as u32;
+            Some(*sum)
+        }));
+        let (rows, values) = columns.into_iter().flatten().unzip();
+        Self::from_parts(starts, rows, values)
     }
 
     /// The rows in full, as lists of `(column, value)`.
@@ -170,4 +231,16 @@ impl SymmetricMatrix {
         assert_eq!(first, Some(row as u32), "row {row} has no diagonal entry");
         self.0.val_of_col_mut(row)[0] += value;
     }
+}
+
+/// Where the entries of each of `n` columns start, if they stand in the order of their columns.
+fn offsets(n: usize, columns: impl Iterator<Item = u32>) -> Vec<usize> {
+    let mut start = vec![0; n + 1];
+    for j in columns {
+        start[j as usize + 1] += 1;
+    }
+    for j in 0..n {
+        start[j + 1] += start[j];
+    }
+    start
 }

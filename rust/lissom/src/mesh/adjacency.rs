@@ -46,25 +46,39 @@ impl Adjacency {
             }
         }
 
-        let mut half_edges: Vec<([u32; 2], Side)> = (0u32..)
-            .zip(triangles)
-            .flat_map(|(t, &[a, b, c])| {
+        // Half edges by their lower vertex, then those of each by the higher: a counting sort.
+        let half_edges = || {
+            (0u32..).zip(triangles).flat_map(|(t, &[a, b, c])| {
                 [(a, b), (b, c), (c, a)].map(|(from, to)| {
-                    let side = Side { triangle: t, ascending: from < to };
-                    ([from.min(to), from.max(to)], side)
+                    (from.min(to) as usize, (from.max(to), Side { triangle: t, ascending: from < to }))
                 })
             })
-            .collect();
-        half_edges.sort_unstable_by_key(|&(edge, side)| (edge, side.triangle));
+        };
+        let mut start = vec![0usize; vertices + 1];
+        half_edges().for_each(|(low, _)| start[low + 1] += 1);
+        for v in 0..vertices {
+            start[v + 1] += start[v];
+        }
+        let mut next = start.clone();
+        let mut sorted = vec![(0, Side { triangle: 0, ascending: true }); 3 * triangles.len()];
+        for (low, half_edge) in half_edges() {
+            sorted[next[low]] = half_edge;
+            next[low] += 1;
+        }
         let (mut edges, mut side_start) = (Vec::new(), Vec::new());
-        for (index, &(edge, _)) in (0u32..).zip(&half_edges) {
-            if edges.last() != Some(&edge) {
-                edges.push(edge);
-                side_start.push(index);
+        for low in 0..vertices {
+            let fan = start[low]..start[low + 1];
+            // Stable, so that the sides of an edge stay in the order of the triangles.
+            sorted[fan.clone()].sort_by_key(|&(high, _)| high);
+            for index in fan.clone() {
+                if index == fan.start || sorted[index].0 != sorted[index - 1].0 {
+                    edges.push([low as u32, sorted[index].0]);
+                    side_start.push(index as u32);
+                }
             }
         }
-        side_start.push(half_edges.len() as u32);
-        let sides = half_edges.into_iter().map(|(_, side)| side).collect();
+        side_start.push(sorted.len() as u32);
+        let sides = sorted.into_iter().map(|(_, side)| side).collect();
         Self { corner_start, corners, edges, side_start, sides }
     }
 

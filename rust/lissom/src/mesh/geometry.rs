@@ -87,17 +87,18 @@ pub(crate) fn normal_and_area([a, b, c]: [Vec3; 3]) -> (Vec3, f64) {
 
 /// Half the cotangent at each corner, from edge lengths, and whether they had to be mollified.
 fn half_cotangents([a, b, c]: [Vec3; 3]) -> ([f64; 3], bool) {
-    let mut l = [(c - b).length(), (a - c).length(), (b - a).length()];
-    let longest = l[0].max(l[1]).max(l[2]);
-    if longest == 0.0 {
+    let edges = [c - b, a - c, b - a];
+    let largest = edges.iter().fold(0.0, |largest: f64, e| largest.max(e.abs().max_element()));
+    if largest == 0.0 {
         // A point: any shape will do, the equilateral one is the mildest.
         return ([0.5 / 3f64.sqrt(); 3], true);
     }
+    // Angles do not depend on size, but fourth powers of small lengths would underflow.
+    let mut l = edges.map(|e| (e / largest).length());
+    let longest = l[0].max(l[1]).max(l[2]);
     let least_excess = (l[0] + l[1] + l[2]) - 2.0 * longest;
     let lift = (MOLLIFY * longest - least_excess).max(0.0);
     l = l.map(|x| x + lift);
-    // Angles do not depend on size, but the fourth powers below would underflow.
-    l = l.map(|x| x / longest);
     // Heron's formula in Kahan's order, stable for needles.
     let mut sorted = l;
     sorted.sort_by(|x, y| y.total_cmp(x));

@@ -64,9 +64,10 @@ impl Mesh {
         let frame = UnitFrame::of(&vertices, &triangles)?;
         let rest: Vec<Vec3> = vertices.iter().map(|&v| frame.to_unit(v)).collect();
         validate::spread(&rest, &triangles)?;
-        let adjacency = Adjacency::of(vertices.len(), &triangles);
-        let components = Components::of(vertices.len(), &triangles);
-        let geometry = TriangleGeometry::of(&rest, &triangles);
+        let (adjacency, (components, geometry)) = rayon::join(
+            || Adjacency::of(vertices.len(), &triangles),
+            || (Components::of(vertices.len(), &triangles), TriangleGeometry::of(&rest, &triangles)),
+        );
         validate::doubts(&adjacency, &triangles, &triangle_ids, &geometry, &welds, &mut warnings);
         Ok(Self {
             vertices,

@@ -1,5 +1,7 @@
 //! What is refused, what is mended, and what is only said.
 
+use rayon::prelude::*;
+
 use super::adjacency::Adjacency;
 use super::geometry::TriangleGeometry;
 use super::weld::representatives;
@@ -7,6 +9,9 @@ use crate::{Error, Fault, Result, Vec3};
 
 /// Points are collinear when none lies further than this fraction of the diagonal from a line.
 const COLLINEAR: f64 = 1e-12;
+
+/// Vertices that a thread takes at once.
+const GRAIN: usize = 4096;
 
 pub(super) fn numbers(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<()> {
     let whole = |argument, problem: &str| Err(Error::InvalidMesh(Fault::new(argument, problem)));
@@ -104,20 +109,16 @@ pub(super) fn doubts(
     let problem = "slivers or without area, mollified";
     say("triangles", problem, &mut flat.map(|(_, &id)| id as usize));
 
-    let mut sorted: Vec<([u32; 3], u32)> = triangles
-        .iter()
-        .zip(triangle_ids)
-        .map(|(t, &id)| {
-            let mut key = *t;
-            key.sort_unstable();
-            (key, id)
-        })
+    let vertices = adjacency.vertex_count();
+    let again: Vec<u32> = (0..vertices)
+        .into_par_iter()
+        .with_min_len(GRAIN)
+        .map_init(Vec::new, |seen, v| repeated(adjacency, triangles, v, seen))
+        .flatten_iter()
         .collect();
-    sorted.sort_unstable();
-    let again = sorted.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| pair[1].1 as usize);
+    let again = again.into_iter().map(|t| triangle_ids[t as usize] as usize);
     say("triangles", "the same three vertices again", &mut { again });
 
-    let vertices = adjacency.vertex_count();
     let alone = |v: usize| welds.get(v).is_none_or(|&w| w as usize == v);
     let lonely = (0..vertices).filter(|&v| adjacency.corners_of(v).is_empty() && alone(v));
     say("vertices", "in no face, kept at rest", &mut { lonely });
@@ -131,24 +132,47 @@ pub(super) fn doubts(
     let problem = "on an edge whose two faces are wound against each other";
     say("vertices", problem, &mut clash.map(ends));
 
-    let bow_ties = (0..vertices).filter(|&v| fans(adjacency, triangles, v) > 1);
-    say("vertices", "joins separate fans of faces (bow-tie)", &mut { bow_ties });
+    let bow_ties: Vec<usize> = (0..vertices)
+        .into_par_iter()
+        .with_min_len(GRAIN)
+        .map_init(Vec::new, |ring, v| (v, fans(adjacency, triangles, v, ring)))
+        .filter(|&(_, count)| count > 1)
+        .map(|(v, _)| v)
+        .collect();
+    say("vertices", "joins separate fans of faces (bow-tie)", &mut bow_ties.into_iter());
+}
+
+/// The triangles of which `vertex` is the lowest that have the corners of an earlier one.
+fn repeated(
+    adjacency: &Adjacency,
+    triangles: &[[u32; 3]],
+    vertex: usize,
+    seen: &mut Vec<([u32; 3], u32)>,
+) -> Vec<u32> {
+    seen.clear();
+    for corner in adjacency.corners_of(vertex) {
+        let mut key = triangles[corner.triangle as usize];
+        key.sort_unstable();
+        if key[0] as usize == vertex {
+            seen.push((key, corner.triangle));
+        }
+    }
+    seen.sort_unstable();
+    seen.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| pair[1].1).collect()
 }
 
 /// Number of fans: groups of triangles at a vertex that hang together by edges at that vertex.
-fn fans(adjacency: &Adjacency, triangles: &[[u32; 3]], vertex: usize) -> usize {
-    let spokes: Vec<[u32; 2]> = adjacency
-        .corners_of(vertex)
-        .iter()
-        .map(|c| {
-            let t = triangles[c.triangle as usize];
-            let corner = usize::from(c.corner);
-            [t[(corner + 1) % 3], t[(corner + 2) % 3]]
+fn fans(adjacency: &Adjacency, triangles: &[[u32; 3]], vertex: usize, ring: &mut Vec<u32>) -> usize {
+    let spokes = || {
+        adjacency.corners_of(vertex).iter().map(|corner| {
+            let (t, c) = (triangles[corner.triangle as usize], usize::from(corner.corner));
+            [t[(c + 1) % 3], t[(c + 2) % 3]]
         })
-        .collect();
-    let mut ring: Vec<u32> = spokes.iter().flatten().copied().collect();
+    };
+    ring.clear();
+    ring.extend(spokes().flatten());
     ring.sort_unstable();
     ring.dedup();
-    let local = spokes.iter().map(|s| s.map(|v| ring.binary_search(&v).unwrap_or_default() as u32));
-    super::components::roots(ring.len(), local.map(|s| [s[0], s[1]])).1
+    let place = |v: u32| ring.binary_search(&v).unwrap_or_default() as u32;
+    super::components::roots(ring.len(), spokes().map(|spoke| spoke.map(place))).1
 }

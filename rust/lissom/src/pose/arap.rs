@@ -31,6 +31,8 @@
 //! global step, and converge slowly. The last steps tell more of the curvature: [`Lbfgs`] in that metric (Liu,
 //! Bouaziz & Kavan 2017, Quasi-Newton Methods for Real-Time Simulation of Hyperelastic Materials).
 
+use std::f64::consts::PI;
+
 use rayon::prelude::*;
 
 use super::field::{self, inverse_mass};
@@ -177,8 +179,12 @@ impl Arap {
             let x = self.stitch(goal, &goal.displacements, rotations);
             self.fit(mesh, goal, x, rotations)
         };
-        let identity = vec![Mat3::IDENTITY; mesh.rest().len()];
         let spread = from(&field::rotations(&self.system, region, goal));
+        // More than half a turn is in the spread rotations alone.
+        if goal.handles.iter().any(|m| m.whole_turns != Vec3::ZERO || m.rotation.length() > PI) {
+            return spread;
+        }
+        let identity = vec![Mat3::IDENTITY; mesh.rest().len()];
         let rest = from(&self.fit(mesh, goal, goal.displacements.clone(), &identity).rotations);
         if spread.energy <= CLEARLY * rest.energy { spread } else { rest }
     }
@@ -280,6 +286,9 @@ impl Arap {
             if change <= ENOUGH * length * slope.min(0.0) + NOTHING * next.scale {
                 return Some((next, length));
             }
+            if !change.is_finite() {
+                return None;
+            }
             let lowest = -slope * length * length / (2.0 * (change - slope * length));
             length = lowest.clamp(0.1 * length, 0.5 * length);
         }
@@ -303,7 +312,8 @@ impl Method for Arap {
         };
         let mut memory = Lbfgs::default();
         let (mut iterations, mut quiet, mut residual, mut length) = (0, 0, f64::INFINITY, 1.0);
-        while iterations < options.max_iterations && quiet < 2 {
+        // Targets out of range are told by whoever sees the result.
+        while iterations < options.max_iterations && quiet < 2 && fit.energy.is_finite() {
             job.report(iterations as f64 / options.max_iterations as f64, "posing");
             job.check()?;
             let gradient = self.gradient(goal, &fit.displacements, &fit.rotations);

@@ -1,0 +1,111 @@
+"""Whole turns of a handle: its matrix tells at most half a turn, how it came there tells all of them.
+
+A turn is told by a rotation vector, axis times angle, that is right to within half a turn; the native module
+lifts the matrix's own rotation to the branch nearest to it.
+"""
+
+import numpy as np
+
+TAU = 2 * np.pi
+
+# Beside a channel that has gone through more than half a turn, others may have gone this far. Further, and
+# the same matrix has several equally good stories.
+ASIDE = np.pi / 2
+
+# A rotation vector and what it was lifted to are the same story up to this angle.
+NEAR = np.pi / 2
+
+# Channels tell the turns of an Empty where they explain its rotation to within this angle: not where a
+# constraint or another parent turns it.
+EXPLAINED = 0.05
+
+
+def rotation_vectors(rotations):
+    """(..., 3): axis times angle, at most pi, of rotations (..., 3, 3).
+
+    By the eigenvector of Bar-Itzhack (2000), New Method for Extracting the Quaternion from a Rotation Matrix,
+    which is as good near half a turn as anywhere.
+    """
+    r = np.asarray(rotations, dtype=np.float64)
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = np.moveaxis(r, (-2, -1), (0, 1))
+    rows = [
+        [xx - yy - zz, yx + xy, zx + xz, zy - yz],
+        [yx + xy, yy - xx - zz, zy + yz, xz - zx],
+        [zx + xz, zy + yz, zz - xx - yy, yx - xy],
+        [zy - yz, xz - zx, yx - xy, xx + yy + zz],
+    ]
+    matrix = np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+    quaternion = np.linalg.eigh(matrix)[1][..., -1]
+    quaternion = np.where(quaternion[..., 3:] < 0, -quaternion, quaternion)
+    size = np.linalg.norm(quaternion[..., :3], axis=-1, keepdims=True)
+    angle = 2 * np.arctan2(size, quaternion[..., 3:])
+    return quaternion[..., :3] * np.divide(angle, size, out=np.full_like(size, 2.0), where=size > 1e-12)
+
+
+def nearest_rotations(linear):
+    """(..., 3, 3): the rotations nearest to linear maps (..., 3, 3)."""
+    u, _, vt = np.linalg.svd(linear)
+    u[..., 2] *= np.sign(np.linalg.det(u @ vt))[..., None]
+    return u @ vt
+
+
+def along(path):
+    """(3,): how far rotations (k, 3, 3), each near the one before, turn from the first to the last."""
+    return rotation_vectors(path[1:] @ np.swapaxes(path[:-1], -1, -2)).sum(axis=0)
+
+
+def is_told_by_angles(change):
+    """True where three angles that change so have one story: one of them has done more than half a turn."""
+    size = np.sort(np.abs(change))
+    return bool(size[2] > np.pi and size[1] <= ASIDE)
+
+
+def explained(path, placed, rotation):
+    """(3,): the turn along ``path`` (k, 3, 3), or None where that is not how ``rotation`` (3, 3) came about.
+
+    ``placed`` (3, 3) is the linear map from the space of the path to that of the rotation.
+    """
+    u, _, vt = np.linalg.svd(placed)
+    frame = u @ vt  # a reflection where the object is mirrored
+    led_to = nearest_rotations(placed @ path[-1] @ path[0].T @ np.linalg.inv(placed))
+    off = rotation_vectors(rotation @ led_to.T)
+    return along(frame @ path @ frame.T) if np.linalg.norm(off) <= EXPLAINED else None
+
+
+def follow(near, rotation):
+    """(3,): the turn of a rotation (3, 3) that has just been at about ``near`` (3,)."""
+    own = rotation_vectors(rotation)
+    angle = np.linalg.norm(own)
+    if angle > 1e-9:
+        axis = own / angle
+        lifted = axis * (angle + TAU * np.round((near @ axis - angle) / TAU))
+        if np.linalg.norm(lifted - near) <= NEAR:
+            return lifted
+    # Near whole turns the matrix says nothing of their axis.
+    return near
+
+
+class Tracker:
+    """Turns of several handles, from what their channels tell, else from one look to the next."""
+
+    def __init__(self):
+        self._last = None
+
+    def turns(self, transforms, told):
+        """(h, 3) for the matrices (h, 4, 4) of now, or None where those tell all.
+
+        ``told`` has for each handle what its channels tell (3,), or None.
+        """
+        rotations = nearest_rotations(transforms[:, :3, :3])
+        own = rotation_vectors(rotations)
+        turns = np.empty_like(own)
+        for h, rotation in enumerate(rotations):
+            if told[h] is not None:
+                turns[h] = told[h]
+            elif self._last is not None:
+                before, turned = self._last
+                turns[h] = follow(turned[h] + rotation_vectors(rotation @ before[h].T), rotation)
+            else:
+                turns[h] = own[h]
+        self._last = rotations, turns
+        return turns if np.linalg.norm(turns, axis=1).max(initial=0.0) > np.pi + 1e-6 else None

@@ -1,0 +1,137 @@
+"""An animated pose as shape keys, one a frame, or as a point cache."""
+
+import bpy
+import numpy as np
+from bpy.props import EnumProperty, IntProperty, StringProperty
+
+from .. import live
+from ..bridge import animation, checks, meshes, poses, shape_keys
+from ..core import cache, names, space
+from ..core.refused import Refused, first
+from ..core.work import Work
+from ..properties.pose import BAKE_ITEMS, BAKE_OUTPUT, BAKE_PATH, BAKE_STEP
+from .job import JobOperator, writable_mesh
+from .pose_bind import MAX_ITERATIONS, unbind
+from .pose_handles import OBJECT
+
+MOST_KEYS = 10_000
+
+
+class LISSOM_OT_pose_bake(JobOperator, bpy.types.Operator):
+    """Bake the motion of the handles over a range of frames, and unbind the mesh, which then plays it"""
+
+    bl_idname = "lissom.pose_bake"
+    bl_label = "Bake Animation"
+    bl_options = {"REGISTER", "UNDO"}
+
+    object: StringProperty(**OBJECT)
+    output: EnumProperty(name="Output", description=BAKE_OUTPUT, items=BAKE_ITEMS, default="KEYS")
+    frame_start: IntProperty(
+        name="First Frame", description="Where not given, that of the scene", options={"SKIP_SAVE"}
+    )
+    frame_end: IntProperty(
+        name="Last Frame", description="Where not given, that of the scene", options={"SKIP_SAVE"}
+    )
+    step: IntProperty(name="Step", description=BAKE_STEP, default=1, min=1, max=1000)
+    name: StringProperty(
+        name="Name", description="Of the shape keys, before the frame, or of the modifier", default="Pose"
+    )
+    filepath: StringProperty(
+        name="Cache File", description=BAKE_PATH, subtype="FILE_PATH", options={"SKIP_SAVE"}
+    )
+    max_iterations: IntProperty(**MAX_ITERATIONS)
+
+    @classmethod
+    def poll(cls, context):
+        return writable_mesh(cls, context, bound=True)
+
+    def begin(self, context):
+        context.view_layer.update()
+        scene, obj = context.scene, checks.mesh_object(self.object, context)
+        checks.require_writable(obj)
+        bound = poses.current(obj)
+        poses.preview(obj)
+        if not self.name:
+            raise Refused("Give the baked keys a name first")
+        for name in ("frame_start", "frame_end"):
+            if not self.properties.is_property_set(name):
+                setattr(self, name, getattr(scene, name))
+        start, end = self.frame_start, self.frame_end
+        if end < start:
+            raise Refused(f"The last frame, {end}, is before the first, {start}")
+        frames = self._frames = list(range(start, end + 1, self.step))
+        if self.output == "CACHE":
+            self._path = animation.cache_path(self.filepath, obj)
+        else:
+            if len(frames) > MOST_KEYS:
+                raise Refused(
+                    f"{len(frames)} shape keys are too many for Blender: raise the step, or bake a cache"
+                )
+            self._names = [names.shorten(self.name, f" {frame:04d}") for frame in frames]
+            self._check_names(obj)
+        self._mesh = meshes.Snapshot.of(obj, poses.linear_part(obj))
+        with live.paused():
+            motions = animation.sample(scene, obj, frames)
+        linear, options = self._mesh.linear, {"max_iterations": self.max_iterations, "warm_start": False}
+
+        def steps():
+            shapes, restless = [], []
+            try:
+                for frame, motion in zip(frames, motions, strict=True):
+                    vertices, report = yield from bound.steps(motion, **options)
+                    options.pop("warm_start", None)  # each frame but the first goes on from the last
+                    shapes.append(space.back(linear, vertices).astype(np.float32))
+                    if not report["converged"]:
+                        restless.append(frame)
+            finally:
+                bound.forget()  # what is shown is the pose of now
+            return shapes, restless
+
+        return Work(steps(), count=len(frames), stage="frame")
+
+    def _blocks(self, obj):
+        return obj.data.shape_keys.key_blocks
+
+    def _check_names(self, obj):
+        blocks = self._blocks(obj)
+        ours = {baked.name for baked in obj.lissom_pose.baked}
+        taken = [name for name in self._names if name in blocks and name not in ours]
+        if taken:
+            raise Refused(f"Shape key {first(repr(name) for name in taken)} exists: choose another name")
+        checks.require_unlocked([blocks[name] for name in ours if name in blocks])
+
+    def finish(self, context, result):
+        shapes, restless = result
+        obj, frames = self._mesh.find(), self._frames
+        checks.require_writable(obj)
+        settings = obj.lissom_pose
+        if self.output == "CACHE":
+            path, absolute = self._path
+            try:
+                cache.write(absolute, shapes, frames[0], self.step)
+            except OSError as error:
+                raise Refused(f"'{absolute}' could not be written: {error.strerror}") from None
+            unbind(obj)
+            settings.baked_cache = animation.play_cache(obj, self.name, path, frames[0], self.step)
+        else:
+            self._check_names(obj)
+            earlier = [baked.name for baked in settings.baked]
+            animation.remove_keys(obj, [name for name in earlier if name in self._blocks(obj)])
+            settings.baked.clear()
+            for name, shape in zip(self._names, shapes, strict=True):
+                shape_keys.write(obj, name, shape, shape_keys.Settings())
+                settings.baked.add().name = name
+            animation.play_keys(obj, self._names, frames)
+            unbind(obj)
+        context.scene.frame_set(context.scene.frame_current, subframe=context.scene.frame_subframe)
+        if restless:
+            self.report(
+                {"WARNING"},
+                f"Not converged at {len(restless)} of {len(frames)} frames, the first is {restless[0]}: "
+                "raise Iterations",
+            )
+        what = "a point cache" if self.output == "CACHE" else f"{len(frames)} shape keys"
+        self.report({"INFO"}, f"'{obj.name}' plays frames {frames[0]} to {frames[-1]} from {what}")
+
+
+classes = (LISSOM_OT_pose_bake,)

@@ -1,0 +1,82 @@
+"""Whole turns, against paths whose turns are known."""
+
+import numpy as np
+import pytest
+from lissom_addon_core import turns
+from numpy.testing import assert_allclose
+
+RANDOM = np.random.default_rng(3)
+
+
+def rotation(vector):
+    """Rodrigues's formula."""
+    angle = np.linalg.norm(vector)
+    if angle == 0:
+        return np.eye(3)
+    x, y, z = np.asarray(vector) / angle
+    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-4, 1.0, 3.0, np.pi - 1e-7, np.pi])
+def test_rotation_vectors_invert_the_exponential(angle):
+    for axis in RANDOM.normal(size=(20, 3)):
+        axis /= np.linalg.norm(axis)
+        found = turns.rotation_vectors(rotation(angle * axis))
+        sign = np.sign(found @ axis) if angle > 3.1 else 1.0  # half a turn has two
+        assert_allclose(sign * found, angle * axis, atol=1e-8)
+
+
+@pytest.mark.parametrize("whole", [0.4, -3.3, 4 * np.pi, -27.0])
+def test_a_turn_about_one_axis_is_counted(whole):
+    axis = np.array([0.6, 0.0, 0.8])
+    path = np.array([rotation(t * whole * axis) for t in np.linspace(0, 1, 200)])
+    assert_allclose(turns.along(path), whole * axis, atol=1e-9)
+    assert_allclose(turns.explained(path, 2.5 * np.eye(3), path[-1]), whole * axis, atol=1e-9)
+
+
+def test_another_rotation_is_not_explained():
+    path = np.array([rotation([0, 0, t]) for t in np.linspace(0, 7, 50)])
+    assert turns.explained(path, np.eye(3), path[-1] @ rotation([0.2, 0, 0])) is None
+
+
+def test_a_mirrored_space_turns_the_other_way():
+    path = np.array([rotation([0, 0, t]) for t in np.linspace(0, 7, 50)])
+    mirror = np.diag([-1.0, 1.0, 1.0])
+    assert_allclose(turns.explained(path, mirror, mirror @ path[-1] @ mirror), [0, 0, -7], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("angles", "told"),
+    [
+        ((0, 0, 3), False),
+        ((0, 0, 3.2), True),
+        ((0.3, -7, 1), True),
+        ((3.3, 0, 3.3), False),
+        ((2, 0, 7), False),
+    ],
+)
+def test_which_angles_have_one_story(angles, told):
+    assert turns.is_told_by_angles(np.array(angles)) is told
+
+
+def test_turns_are_counted_from_look_to_look_without_drift():
+    tracker, count = turns.Tracker(), 400
+    for k in range(count + 1):
+        t = k / count
+        matrix = np.eye(4)
+        matrix[:3, :3] = rotation([0, 0, 20 * t]) @ rotation([0.4 * np.sin(60 * t), 0, 0])  # it wobbles
+        found = tracker.turns(np.array([matrix, np.eye(4)]), [None, None])
+    assert np.linalg.norm(found[0] - [0, 0, 20]) < np.pi
+    own = turns.rotation_vectors(matrix[:3, :3])
+    lifted = own / np.linalg.norm(own) * (np.linalg.norm(own) + turns.TAU * np.array([-4, -3, 3, 4])[:, None])
+    assert np.linalg.norm(lifted - found[0], axis=1).min() < 1e-6  # a branch of the matrix's own, to the end
+    assert_allclose(found[1], 0, atol=1e-12)
+
+
+def test_less_than_half_a_turn_is_left_to_the_matrix():
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation([3.0, 0, 0])
+    assert turns.Tracker().turns(matrix[None], [None]) is None
+    told = turns.Tracker().turns(matrix[None], [np.array([3.0 - turns.TAU, 0, 0])])
+    assert_allclose(told, [[3.0 - turns.TAU, 0, 0]])
