@@ -3,7 +3,7 @@
 use std::ffi::CString;
 use std::sync::Arc;
 
-use lissom::inbetween::{Inbetween, InbetweenOptions, Rotation};
+use lissom::inbetween::{Inbetween, InbetweenOptions, Rotation, Stretch};
 use lissom::{Job, Vec3};
 use pyo3::exceptions::PyRuntimeWarning;
 use pyo3::prelude::*;
@@ -40,48 +40,76 @@ impl PyInbetween {
     }
 }
 
+/// The options of `Inbetween` as Python gives them.
+struct Options<'a> {
+    rotation: &'a str,
+    stretch: &'a str,
+    refinement: i64,
+}
+
+impl Options<'_> {
+    fn read(&self, py: Python<'_>) -> PyResult<InbetweenOptions> {
+        let rotations = [
+            ("consistent", Rotation::Consistent),
+            ("relative", Rotation::Relative),
+            ("shortest", Rotation::Shortest),
+        ];
+        let stretches = [("linear", Stretch::Linear), ("logarithmic", Stretch::Logarithmic)];
+        Ok(InbetweenOptions {
+            rotation: arrays::choice(py, "rotation", self.rotation, &rotations)?,
+            stretch: arrays::choice(py, "stretch", self.stretch, &stretches)?,
+            refinement: arrays::count(py, "refinement", self.refinement)?,
+        })
+    }
+}
+
 /// From the arguments of `Inbetween` to the work that makes one.
 fn prepare(
     mesh: &Bound<'_, PyMesh>,
     start: &Bound<'_, PyAny>,
     end: &Bound<'_, PyAny>,
-    rotation: &str,
+    options: &Options<'_>,
 ) -> PyResult<Work<Inbetween>> {
     let (start, end) = (arrays::points("start", start)?, arrays::points("end", end)?);
-    let kinds = [("consistent", Rotation::Consistent), ("shortest", Rotation::Shortest)];
-    let options = InbetweenOptions { rotation: arrays::choice(mesh.py(), "rotation", rotation, &kinds)? };
+    let options = options.read(mesh.py())?;
     let mesh = mesh.get().0.clone();
     Ok(Box::new(move |job| Inbetween::new(mesh, &start, &end, options, job)))
 }
 
 /// `Inbetween(...)` in the background: returns a Job whose result is the Inbetween.
 #[pyfunction]
-#[pyo3(signature = (mesh, start, end, rotation="consistent"))]
+#[pyo3(signature = (mesh, start, end, rotation="consistent", *, stretch="linear", refinement=0))]
 pub fn start_inbetween(
     mesh: &Bound<'_, PyMesh>,
     start: &Bound<'_, PyAny>,
     end: &Bound<'_, PyAny>,
     rotation: &str,
+    stretch: &str,
+    refinement: i64,
 ) -> PyResult<PyJob> {
+    let options = Options { rotation, stretch, refinement };
     let vertices = mesh.get().0.vertices().len();
     let convert = move |py: Python<'_>, path| {
         Ok(Py::new(py, PyInbetween { path: Arc::new(path), vertices })?.into_any())
     };
-    PyJob::start(prepare(mesh, start, end, rotation)?, convert)
+    PyJob::start(prepare(mesh, start, end, &options)?, convert)
 }
 
 #[pymethods]
 impl PyInbetween {
     #[new]
-    #[pyo3(signature = (mesh, start, end, rotation="consistent"))]
+    #[pyo3(signature = (mesh, start, end, rotation="consistent", *, stretch="linear", refinement=0))]
     fn new(
         mesh: &Bound<'_, PyMesh>,
         start: &Bound<'_, PyAny>,
         end: &Bound<'_, PyAny>,
         rotation: &str,
+        stretch: &str,
+        refinement: i64,
     ) -> PyResult<Self> {
+        let options = Options { rotation, stretch, refinement };
         let vertices = mesh.get().0.vertices().len();
-        let path = run_value(mesh.py(), prepare(mesh, start, end, rotation)?)?;
+        let path = run_value(mesh.py(), prepare(mesh, start, end, &options)?)?;
         Ok(Self { path: Arc::new(path), vertices })
     }
 

@@ -66,7 +66,7 @@ impl Turn {
     }
 
     /// Rotation vector, as far as the two factors have one.
-    fn omega(&self) -> Vec3 {
+    pub fn omega(&self) -> Vec3 {
         self.axis * self.angle + self.swing
     }
 
@@ -76,13 +76,6 @@ impl Turn {
         if self.swing == Vec3::ZERO { main } else { main * rotation::exp(self.swing * t) }
     }
 
-    /// `R(t) R(1)^T`: from the end back to time `t`.
-    pub fn back(&self, t: f64) -> Mat3 {
-        if self.swing == Vec3::ZERO {
-            return rotation::exp(self.axis * ((t - 1.0) * self.angle));
-        }
-        self.at(t) * self.at(1.0).transpose()
-    }
 
     /// The way to `r` nearest to this one.
     fn lift(&self, r: Mat3) -> Self {
@@ -108,19 +101,20 @@ pub(super) fn shortest(motions: &[Motion]) -> Vec<Turn> {
 /// `moved` counts the vertices of each triangle that move. Triangles at rest are the roots. A
 /// component without any starts from the triangle that turns least: of those held by most vertices,
 /// since a whole turn looks like none, and of those outside crumples. Triangles without a rotation
-/// take their neighbour's.
+/// take their neighbour's. With the turns come the steps of the walk, in order.
 pub(super) fn consistent(
     neighbours: &Neighbours,
     motions: &[Motion],
     moved: &[u8],
     job: &Job,
-) -> Result<Vec<Turn>> {
+) -> Result<(Vec<Turn>, Vec<Step>)> {
     let mut walk = Walk {
         neighbours,
         motions,
         sizes: neighbours.region_sizes(),
         turns: vec![None; motions.len()],
         handed_on: vec![Turn::NONE; motions.len()],
+        steps: Vec::with_capacity(motions.len()),
     };
     let mut queue = BinaryHeap::new();
     let at_rest = (0..motions.len() as u32).filter(|&t| moved[t as usize] == 0);
@@ -145,7 +139,7 @@ pub(super) fn consistent(
     }
     let mut turns: Vec<Turn> = walk.turns.into_iter().map(|turn| turn.unwrap_or(Turn::NONE)).collect();
     drop_unpaid(neighbours, motions, &mut turns);
-    Ok(turns)
+    Ok((turns, walk.steps))
 }
 
 /// A walk in progress.
@@ -157,6 +151,14 @@ struct Walk<'a> {
     turns: Vec<Option<Turn>>,
     /// The turn that each triangle gives to those beyond a crease.
     handed_on: Vec<Turn>,
+    steps: Vec<Step>,
+}
+
+/// A step of the walk, to a triangle from one visited before; a root from itself.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Step {
+    pub triangle: u32,
+    pub from: u32,
 }
 
 /// Triangles to visit: weight of the step, triangle, the triangle it is reached from; a root from itself.
@@ -165,7 +167,6 @@ type Queue = BinaryHeap<Reverse<(u64, u32, u32)>>;
 impl Walk<'_> {
     /// Empties the queue.
     fn run(&mut self, queue: &mut Queue, job: &Job) -> Result<()> {
-        let mut steps = 0u32;
         while let Some(Reverse((weight, triangle, from))) = queue.pop() {
             let (t, from) = (triangle as usize, from as usize);
             if self.turns[t].is_some() {
@@ -182,8 +183,8 @@ impl Walk<'_> {
             let next = self.neighbours.of_triangle(triangle).iter();
             let unseen = next.filter(|(_, s)| self.turns[*s as usize].is_none());
             queue.extend(unseen.map(|&(weight, s)| Reverse((weight, s, triangle))));
-            steps += 1;
-            if steps.is_multiple_of(4096) {
+            self.steps.push(Step { triangle, from: from as u32 });
+            if self.steps.len().is_multiple_of(4096) {
                 job.check()?;
             }
         }
@@ -328,9 +329,6 @@ mod tests {
             let r = near.at(1.0) * rotation::exp(tilt);
             let turn = near.lift(r);
             assert!(apart(turn.at(1.0), r) < 1e-12 && apart(turn.at(0.0), Mat3::IDENTITY) == 0.0);
-            for t in [0.0, 0.3, 1.0] {
-                assert!(apart(turn.back(t), turn.at(t) * r.transpose()) < 1e-12);
-            }
             assert!((turn.angle - 9.0).abs() < 0.3 && turn.swing.length() < 0.7, "{turn:?}");
         }
     }
@@ -341,7 +339,7 @@ mod tests {
         let turn = near.lift(near.at(1.0) * rotation::exp(Vec3::new(0.3, 0.2, -0.4)));
         let back = Turn::about(-Vec3::Y * 7.0).lift(turn.at(1.0).transpose());
         for t in [0.2, 0.5, 0.9] {
-            assert!(apart(back.at(1.0 - t), turn.back(t)) < 1e-12);
+            assert!(apart(back.at(1.0 - t), turn.at(t) * turn.at(1.0).transpose()) < 1e-12);
         }
     }
 
@@ -365,7 +363,7 @@ mod tests {
         let motions: Vec<Motion> = degrees.iter().map(turn).collect();
         let moved: Vec<u8> = (0..motions.len()).map(|t| if t == 0 { 0 } else { 3 }).collect();
         let neighbours = Neighbours::joining(pairs, &motions);
-        let turns = consistent(&neighbours, &motions, &moved, &Job::default()).unwrap();
+        let (turns, _) = consistent(&neighbours, &motions, &moved, &Job::default()).unwrap();
         turns.iter().map(|turn| turn.omega().z.to_degrees().round()).collect()
     }
 

@@ -27,29 +27,38 @@
 //! |---|---|
 //! | `rotations` | `R_t`: the polar decomposition of each triangle's gradient |
 //! | `branches` | `R_t(t)`: which logarithm of `R_t`, so that neighbours turn together |
-//! | `path` | `x(t)`: the stitch |
+//! | `relative` | `R_t(t)` from the rotations between neighbours instead |
+//! | `stretch` | `S(t)`: in equal steps or by equal factors |
+//! | `path` | `x(t)`: all of these at a time |
+//! | `elements` | the stitch, and rotations refitted to it |
 //! | `keyframes` | the fewest times between which a straight line will do |
 //!
 //! Vertices in the same place at both ends stay there exactly; a connected component without such
 //! a vertex has its centroid move straight.
 
 mod branches;
+mod elements;
 mod keyframes;
 mod path;
+mod relative;
 mod rotations;
+mod stretch;
 
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::linear::{ConstrainedSystem, Constraints, REGULARIZED, SymmetricMatrix};
+use crate::linear::REGULARIZED;
 use crate::mesh::geometry::{TriangleGeometry, UnitFrame, normal_and_area};
 use crate::mesh::validate;
 use crate::operators::hats_of;
-use crate::{Error, Fault, Job, Mesh, Result, Vec3};
+use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
 use branches::{Neighbours, Turn};
+use elements::{Elements, Hats};
+use relative::Relative;
 
 pub use keyframes::Keyframes;
+pub use stretch::Stretch;
 
 /// Correlation of the folds at both ends, below the negative of which a component counts as mirrored.
 const MIRRORED: f64 = 0.5;
@@ -60,6 +69,8 @@ pub enum Rotation {
     /// Neighbours turn together: twists beyond half a turn, and several turns, come out whole.
     #[default]
     Consistent,
+    /// The turns between neighbours, integrated over the whole mesh.
+    Relative,
     /// Every triangle by at most half a turn.
     Shortest,
 }
@@ -69,6 +80,10 @@ pub enum Rotation {
 pub struct InbetweenOptions {
     /// How turns are chosen.
     pub rotation: Rotation,
+    /// How stretches go from start to end.
+    pub stretch: Stretch,
+    /// How many rounds of refitting the rotations to the stitched shape.
+    pub refinement: usize,
 }
 
 /// The path from one shape of a mesh to another, factored once and evaluated at any time.
@@ -76,18 +91,25 @@ pub struct InbetweenOptions {
 /// The way back is the same path: `start` to `end` at `t` is `end` to `start` at `1 - t`.
 #[derive(Debug)]
 pub struct Inbetween {
-    mesh: Arc<Mesh>,
+    elements: Elements,
+    options: InbetweenOptions,
     /// Both shapes in the mesh's own units, in an order that does not depend on who is called start.
     shapes: [Vec<Vec3>; 2],
+    /// The same in unit coordinates.
+    unit: [Vec<Vec3>; 2],
     reversed: bool,
     /// What a unit is inside, in the mesh's own units.
     scale: f64,
     /// Of each corner and both shapes: `sum w_te e` over the two edges of its triangle that meet there.
-    hats: [Vec<[Vec3; 3]>; 2],
+    hats: [Vec<Hats>; 2],
     turns: Vec<Turn>,
-    system: ConstrainedSystem,
-    /// The vertices of each component that nothing holds.
-    afloat: Vec<Vec<u32>>,
+    /// `R_t(1)`.
+    ends: Vec<Mat3>,
+    relative: Option<Relative>,
+    /// Empty where stretches go in equal steps.
+    stretches: Vec<Option<[f64; 2]>>,
+    /// Triangles with a rotation of their own.
+    turning: Vec<bool>,
     warnings: Vec<String>,
 }
 
@@ -133,9 +155,9 @@ impl Inbetween {
         let neighbours = Neighbours::of(&mesh, &motions);
         let still: Vec<bool> = start.iter().zip(end).map(|(p, q)| p == q).collect();
         job.report(0.2, "branches");
-        let turns = match options.rotation {
-            Rotation::Shortest => branches::shortest(&motions),
-            Rotation::Consistent => {
+        let (turns, tree) = match options.rotation {
+            Rotation::Shortest => (branches::shortest(&motions), Vec::new()),
+            Rotation::Consistent | Rotation::Relative => {
                 let moved = |t: &[u32; 3]| t.iter().filter(|&&v| !still[v as usize]).count() as u8;
                 let moved: Vec<u8> = mesh.triangles().iter().map(moved).collect();
                 branches::consistent(&neighbours, &motions, &moved, job)?
@@ -163,22 +185,39 @@ impl Inbetween {
 
         job.report(0.5, "factorization");
         job.check()?;
-        let (held, afloat) = holds(&mesh, &still);
-        let edges = mesh
-            .triangles()
-            .iter()
-            .zip(&weights)
-            .flat_map(|(&[a, b, c], w)| [(b, c, w[0]), (c, a, w[1]), (a, b, w[2])]);
-        let laplacian = SymmetricMatrix::laplacian(still.len(), edges);
-        let system = ConstrainedSystem::new(&laplacian, Constraints::hard(still.len(), |v| held[v]), job)?;
-        warnings.extend(system.factor().is_regularized().then(|| REGULARIZED.into()));
+        let elements = Elements::new(mesh.clone(), &weights, &still, job)?;
+        warnings.extend(elements.system.factor().is_regularized().then(|| REGULARIZED.into()));
+        let ends: Vec<Mat3> = turns.par_iter().map(|turn| turn.at(1.0)).collect();
+        let relative = match options.rotation {
+            Rotation::Relative => Some(Relative::new(&mesh, &ends, tree, job)?),
+            Rotation::Consistent | Rotation::Shortest => None,
+        };
+        let stretches = match options.stretch {
+            Stretch::Linear => Vec::new(),
+            Stretch::Logarithmic => stretch::stretches(&mesh, &motions, &a, &b),
+        };
+        let turning = motions.iter().map(|motion| motion.rotation().is_some()).collect();
         let hats = [&a, &b].map(|x| {
             let corners = mesh.triangles().par_iter().map(|t| t.map(|v| x[v as usize]));
             corners.zip(&weights).map(|(corners, w)| hats_of(corners, *w)).collect()
         });
         let shapes = order.map(|(shape, _)| shape.to_vec());
         job.report(1.0, "ready");
-        Ok(Self { mesh, shapes, reversed, scale, hats, turns, system, afloat, warnings })
+        Ok(Self {
+            elements,
+            options,
+            shapes,
+            unit: [a, b],
+            reversed,
+            scale,
+            hats,
+            turns,
+            ends,
+            relative,
+            stretches,
+            turning,
+            warnings,
+        })
     }
 
     /// What is doubtful: slivers, triangles that turn over. Empty for two shapes that agree.
@@ -239,19 +278,6 @@ fn mirrored(mesh: &Mesh, a: &[Vec3], b: &[Vec3]) -> Vec<usize> {
 fn precedes(a: &[Vec3], b: &[Vec3]) -> bool {
     let differ = a.iter().zip(b).find(|(p, q)| p != q);
     differ.is_some_and(|(p, q)| p.to_array() < q.to_array())
-}
-
-/// Which vertices are held, and the components that nothing but one of their vertices holds, for
-/// the time of the solve.
-fn holds(mesh: &Mesh, still: &[bool]) -> (Vec<bool>, Vec<Vec<u32>>) {
-    let in_triangles = |v: usize| mesh.components().of_vertex(v).is_some();
-    let mut held: Vec<bool> = (0..still.len()).map(|v| still[v] || !in_triangles(v)).collect();
-    let mut afloat = mesh.components().members();
-    afloat.retain(|vertices| vertices.iter().all(|&v| !still[v as usize]));
-    for vertices in &afloat {
-        held[vertices[0] as usize] = true;
-    }
-    (held, afloat)
 }
 
 #[cfg(test)]

@@ -1,19 +1,17 @@
-//! `x(t)`: stitch the edges that every triangle asks for at time `t`.
-//!
-//! The unknown is `y(t) = x(t) - ((1-t) start + t end)`, how far the arc lies off the straight line:
+//! `x(t)`: what every triangle asks for at time `t`, stitched.
 //!
 //! ```text
-//!     L y(t) = div [ (1-t) (R(t) - I) e(start)  +  t (R(t) R(1)^T - I) e(end) ]
+//!     s_te(t) = p(t) e(start) + q(t) R_t(1)^T e(end)
 //! ```
 //!
-//! Where nothing turns `y` is zero to the last bit.
+//! turned by `R_t(t)`; `p` and `q` are those of `stretch`.
 
 use rayon::prelude::*;
 
 use super::Inbetween;
-use crate::linear::Columns;
-use crate::operators::divergence::divergence;
-use crate::{Error, Fault, Job, Mat3, Result, Vec3, memory};
+use super::elements::{Asked, Hats};
+use super::stretch::shares;
+use crate::{Error, Fault, Job, Result, Vec3, memory};
 
 /// Times solved as one block of right-hand sides: enough to share each pass over the factor, and
 /// few enough to answer a cancellation at once.
@@ -70,41 +68,28 @@ impl Inbetween {
 
     /// `y(t)` in unit coordinates, for a few times at once.
     pub(super) fn arcs(&self, times: &[f64], job: &Job) -> Result<Vec<Vec<Vec3>>> {
-        let n = self.shapes[0].len();
-        let mut rhs = Columns::zeros(n, 3 * times.len());
-        for (block, &t) in times.iter().enumerate() {
+        let mut asked = Vec::with_capacity(times.len());
+        for &t in times {
             job.check()?;
-            let t = self.inner_time(t);
-            let (from_start, from_end): (Vec<Mat3>, Vec<Mat3>) = self
-                .turns
-                .par_iter()
-                .map(|turn| {
-                    let (forward, back) = (turn.at(t), turn.back(t));
-                    ((forward - Mat3::IDENTITY) * (1.0 - t), (back - Mat3::IDENTITY) * t)
-                })
-                .unzip();
-            let asked = [from_start, from_end];
-            let [a, b] = [0, 1].map(|end| divergence(self.mesh.adjacency(), &self.hats[end], &asked[end]));
-            for (v, (a, b)) in a.into_iter().zip(b).enumerate() {
-                rhs.set_vector(block, v, a + b);
-            }
+            asked.push(self.asked(self.inner_time(t), job)?);
         }
-        let mut y = Columns::zeros(n, 3 * times.len());
-        self.system.solve(&rhs, &mut y);
-        Ok((0..times.len()).map(|block| self.centred(y.vectors(block))).collect())
+        self.elements.stitch(&asked, self.options.refinement, |t| self.turning[t], job)
     }
 
-    /// Moves every component that nothing holds so that its centroid is on its straight line, and welded
-    /// vertices with those that they are welded to.
-    fn centred(&self, mut y: Vec<Vec3>) -> Vec<Vec3> {
-        for vertices in &self.afloat {
-            let sum: Vec3 = vertices.iter().map(|&v| y[v as usize]).sum();
-            let off = sum / vertices.len() as f64;
-            for &v in vertices {
-                y[v as usize] -= off;
-            }
-        }
-        self.mesh.follow(&mut y);
-        y
+    /// What every triangle asks for at time `t`.
+    fn asked(&self, t: f64, job: &Job) -> Result<Asked<impl Fn(usize) -> (Hats, Hats) + Sync + '_>> {
+        let rotations = match &self.relative {
+            Some(relative) => relative.at(t, &self.turns, &self.ends, job)?,
+            None => self.turns.par_iter().map(|turn| turn.at(t)).collect(),
+        };
+        let hats = move |triangle: usize| {
+            let [start, end] = [0, 1].map(|end| self.hats[end][triangle]);
+            let (p, q) = shares(self.stretches.get(triangle).copied().flatten(), t);
+            let back = self.ends[triangle].transpose();
+            let stretched = [0, 1, 2].map(|c| start[c] * p + back * end[c] * q);
+            (stretched, [0, 1, 2].map(|c| start[c] * (1.0 - t) + end[c] * t))
+        };
+        let line = self.unit[0].iter().zip(&self.unit[1]).map(|(&p, &q)| p + (q - p) * t).collect();
+        Ok(Asked { hats, rotations, line })
     }
 }

@@ -19,7 +19,7 @@ impl Case {
     }
 
     fn path(&self, rotation: Rotation) -> Inbetween {
-        let options = InbetweenOptions { rotation };
+        let options = InbetweenOptions { rotation, ..Default::default() };
         Inbetween::new(self.mesh.clone(), &self.start, &self.end, options, &Job::default()).unwrap()
     }
 

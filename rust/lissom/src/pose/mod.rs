@@ -18,7 +18,7 @@ pub mod arap;
 mod field;
 pub mod laplacian;
 pub mod laplacian_fitted;
-mod lbfgs;
+pub(crate) mod lbfgs;
 pub mod multiresolution;
 pub mod poisson;
 mod region;

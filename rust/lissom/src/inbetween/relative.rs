@@ -1,0 +1,107 @@
+//! `R_t(t)` from the rotations between neighbours.
+//!
+//! Neighbours `i` and `j` turn against each other by `R_i^T R_j`; at time `t` they shall have turned by a part of that:
+//!
+//! ```text
+//!     R_j(t) = R_i(t) D_ij(t),        D_ij(t) = exp(t log(R_i^T R_j))
+//! ```
+//!
+//! Around a vertex these do not close up, so the rotations are those that meet all of them best, rotation averaging
+//! (Govindu 2004, Lie-Algebraic Averaging for Globally Consistent Motion Estimation):
+//!
+//! ```text
+//!     min_R  sum_ij  w_ij | log( R_j (R_i D_ij)^T ) |^2
+//! ```
+//!
+//! by Gauss-Newton steps `R_i <- exp(d_i) R_i`, each a solve with the Laplacian of the dual graph, factored once,
+//! from where the minimum spanning tree leads. Between neighbours the shortest turn is hardly ever the wrong one,
+//! so twists of any number of turns come out whole.
+
+use rayon::prelude::*;
+
+use super::branches::{Step, Turn};
+use crate::linear::{Columns, ConstrainedSystem, Constraints, SymmetricMatrix};
+use crate::{Job, Mat3, Mesh, Result, Vec3, rotation};
+
+/// Gauss-Newton steps at most, and the turn in radians below which a step is the last.
+const STEPS: usize = 6;
+const SMALL: f64 = 1e-6;
+
+/// Angle between neighbours, in radians, from which on they are trusted less.
+const CREASE: f64 = 0.5;
+
+/// The dual graph with the rotations between neighbours.
+#[derive(Debug)]
+pub(super) struct Relative {
+    /// Neighbours, `log(R_i^T R_j)` and the weight.
+    pairs: Vec<(u32, u32, Vec3, f64)>,
+    /// The spanning tree from its roots on; a root is its own parent.
+    tree: Vec<Step>,
+    system: ConstrainedSystem,
+}
+
+impl Relative {
+    /// Factors the dual graph of `mesh`, whose triangles turn by `ends` and are spanned by `tree`.
+    ///
+    /// # Errors
+    ///
+    /// As [`ConstrainedSystem::new`].
+    pub fn new(mesh: &Mesh, ends: &[Mat3], tree: Vec<Step>, job: &Job) -> Result<Self> {
+        let pairs: Vec<[u32; 2]> = mesh.adjacency().triangle_pairs().collect();
+        let pairs: Vec<(u32, u32, Vec3, f64)> = pairs
+            .into_par_iter()
+            .map(|[i, j]| {
+                let between = rotation::log(ends[i as usize].transpose() * ends[j as usize]);
+                (i, j, between, 1.0 / (1.0 + between.length_squared() / (CREASE * CREASE)))
+            })
+            .collect();
+        let mut root = vec![false; ends.len()];
+        for step in tree.iter().filter(|step| step.triangle == step.from) {
+            root[step.triangle as usize] = true;
+        }
+        let edges = pairs.iter().map(|&(i, j, _, weight)| (i, j, weight));
+        let laplacian = SymmetricMatrix::laplacian(ends.len(), edges);
+        let constraints = Constraints::hard(ends.len(), |t| root[t]);
+        let system = ConstrainedSystem::new(&laplacian, constraints, job)?;
+        Ok(Self { pairs, tree, system })
+    }
+
+    /// The rotations at time `t`; roots take their own turn.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Error::Cancelled`].
+    pub fn at(&self, t: f64, turns: &[Turn], ends: &[Mat3], job: &Job) -> Result<Vec<Mat3>> {
+        let mut now = vec![Mat3::IDENTITY; turns.len()];
+        for step in &self.tree {
+            let (j, i) = (step.triangle as usize, step.from as usize);
+            now[j] = if i == j {
+                turns[j].at(t)
+            } else {
+                now[i] * rotation::exp(rotation::log(ends[i].transpose() * ends[j]) * t)
+            };
+        }
+        let between: Vec<Mat3> = self.pairs.par_iter().map(|pair| rotation::exp(pair.2 * t)).collect();
+        for _ in 0..STEPS {
+            job.check()?;
+            let misfits: Vec<Vec3> = (self.pairs.par_iter().zip(&between))
+                .map(|(&(i, j, _, weight), &d)| {
+                    rotation::log(now[j as usize] * (now[i as usize] * d).transpose()) * weight
+                })
+                .collect();
+            let mut rhs = vec![Vec3::ZERO; now.len()];
+            for (&(i, j, ..), &misfit) in self.pairs.iter().zip(&misfits) {
+                rhs[i as usize] += misfit;
+                rhs[j as usize] -= misfit;
+            }
+            let mut step = Columns::zeros(now.len(), 3);
+            self.system.solve(&Columns::from_vectors(&rhs), &mut step);
+            let step = step.vectors(0);
+            now.par_iter_mut().zip(&step).for_each(|(r, &d)| *r = rotation::exp(d) * *r);
+            if step.iter().all(|d| d.length_squared() < SMALL * SMALL) {
+                break;
+            }
+        }
+        Ok(now)
+    }
+}
