@@ -1,104 +1,140 @@
-"""Frames: reading a pose at each of them, and playing the result back."""
+"""Drivers and animation curves of one property, moved to another.
 
-import contextlib
-import os
+Where a curve lies in the file changed with 4.4: an action has slots, and each its bag of curves.
+"""
 
 import bpy
 
-from ..core import cache, hat
-from ..core.refused import Refused
-from ..core.turns import Tracker
-from . import poses, shape_keys
+_PLACES = ("co", "handle_left", "handle_right")
+_KINDS = ("interpolation", "easing", "handle_left_type", "handle_right_type", "type")
 
 
-def sample(scene, obj, frames):
-    """The core.pose.Motion of a bound object at each of these frames, in rising order.
-
-    Every frame between them is looked at too: turns that no channel tells are counted from frame to frame.
-    """
-    tracker, wanted, found = Tracker(), set(frames), []
-    with at_its_frame(scene):
-        for frame in range(frames[0], frames[-1] + 1):
-            scene.frame_set(frame)
-            motion = poses.motion(obj, tracker)
-            if frame in wanted:
-                found.append(motion)
-    return found
+def driver(block, path):
+    """The driver of a property of an ID, or None."""
+    data = block.animation_data
+    return data.drivers.find(path) if data else None
 
 
-@contextlib.contextmanager
-def at_its_frame(scene):
-    """Puts the scene back at its frame."""
-    frame, subframe = scene.frame_current, scene.frame_subframe
-    try:
-        yield
-    finally:
-        scene.frame_set(frame, subframe=subframe)
+def curve(block, path):
+    """The animation curve of a property of an ID in its own action, or None."""
+    curves = _curves(block)
+    return curves.find(path) if curves is not None else None
 
 
-def play_keys(obj, names, frames):
-    """Keyframes on shape keys: each is alone at its frame, and straight lines lead from one to the next."""
-    blocks = obj.data.shape_keys.key_blocks
-    for index, name in enumerate(names):
-        for frame, value in hat.points(frames, index):
-            blocks[name].value = value
-            blocks[name].keyframe_insert("value", frame=frame)
-    paths = {blocks[name].path_from_id("value") for name in names}
-    for curve in _curves(obj.data.shape_keys):
-        if curve.data_path in paths:
-            for point in curve.keyframe_points:
-                point.interpolation = "LINEAR"
-            curve.update()
+def in_nla(block, path):
+    """True where a strip of non-linear animation moves the property."""
+    data = block.animation_data
+    strips = (strip for track in data.nla_tracks for strip in track.strips) if data else ()
+    return any(
+        found.data_path == path for strip in strips if strip.action for found in _all_curves(strip.action)
+    )
+
+
+def move(block, path, target, target_path):
+    """Moves driver and curve of a property to another; returns reasons for what had to stay where it is."""
+    left = []
+    source = curve(block, path)
+    if source is not None:
+        action = block.animation_data.action
+        if curve(target, target_path) is not None:
+            left.append("the other is animated already")
+        elif _users(block.animation_data) > 1 or not action.is_editable:
+            left.append(f"action '{action.name}' is used by others too")
+        elif not len(source.keyframe_points):
+            left.append("its curve has samples in place of keyframes")
+        else:
+            _copy(source, target, target_path)
+            _curves(block).remove(source)
+    source = driver(block, path)
+    if source is not None:
+        if driver(target, target_path) is not None:
+            left.append("the other has a driver of its own")
+        elif any(_reads(variable, target, target_path) for variable in source.driver.variables):
+            left.append("its driver reads the other")
+        else:
+            data = target.animation_data or target.animation_data_create()
+            data.drivers.from_existing(src_driver=source).data_path = target_path
+            block.driver_remove(path)
+    if in_nla(block, path):
+        left.append("a strip of non-linear animation holds it")
+    return left
+
+
+def remove(block, path):
+    """Takes driver and animation curve off a property."""
+    block.driver_remove(path)
+    found = curve(block, path)
+    if found is not None:
+        _curves(block).remove(found)
+
+
+def redirect(block, path, target, target_path):
+    """Has every driver that reads one property read the other."""
+    kind = "OBJECT" if isinstance(target, bpy.types.Object) else "KEY"
+    for reader in _blocks_with_drivers():
+        for found in reader.animation_data.drivers:
+            for variable in found.driver.variables:
+                if _reads(variable, block, path):
+                    source = variable.targets[0]
+                    source.id_type = kind
+                    source.id = target
+                    source.data_path = target_path
+
+
+def _reads(variable, block, path):
+    source = variable.targets[0]
+    return variable.type == "SINGLE_PROP" and source.id == block and source.data_path == path
 
 
 def _curves(block):
     data = block.animation_data
-    if hasattr(data.action, "fcurves"):  # until 4.5
+    if data is None or data.action is None:
+        return None
+    if not hasattr(data, "action_slot"):
         return data.action.fcurves
-    return data.action.layers[0].strips[0].channelbag(data.action_slot).fcurves
+    if data.action_slot is None:
+        return None
+    bags = [strip.channelbag(data.action_slot) for layer in data.action.layers for strip in layer.strips]
+    return next((bag.fcurves for bag in bags if bag is not None), None)
 
 
-def play_cache(obj, name, path, first, step):
-    """A Mesh Cache modifier, first of all, that plays a point cache in the place of the mesh; its name."""
-    modifier = obj.modifiers.get(name)
-    if modifier is None or modifier.type != "MESH_CACHE":
-        modifier = obj.modifiers.new(name, "MESH_CACHE")
-        obj.modifiers.move(len(obj.modifiers) - 1, 0)
-    modifier.cache_format = "PC2"
-    modifier.filepath = path
-    modifier.factor = 1.0
-    modifier.deform_mode, modifier.interpolation = "OVERWRITE", "LINEAR"
-    modifier.time_mode, modifier.play_mode = "FRAME", "SCENE"
-    # The sample that is played is the frame times the scale less the start.
-    modifier.frame_scale, modifier.frame_start = 1 / step, first / step
-    modifier.forward_axis, modifier.up_axis = "POS_Y", "POS_Z"
-    return modifier.name
+def _users(data):
+    """How many IDs play the curves of an animated ID; an action's other slots are the affair of others."""
+    return len(data.action_slot.users()) if hasattr(data, "action_slot") else data.action.users
 
 
-def cache_path(path, obj):
-    """The absolute path of a cache; Refused where none can be written there."""
-    if not path:
-        path = f"//{bpy.path.clean_name(obj.name)}.pc2"
-    if path.startswith("//") and not bpy.data.filepath:
-        raise Refused("Save the file first, or choose where to put the cache: it is kept beside the file")
-    absolute = bpy.path.abspath(path)
-    folder = os.path.dirname(absolute)
-    if not os.path.isdir(folder):
-        raise Refused(f"There is no folder '{folder}': make it first, or choose another")
-    if not os.access(folder, os.W_OK) or os.path.isdir(absolute):
-        raise Refused(f"'{absolute}' cannot be written: choose another file")
-    if os.path.exists(absolute) and not cache.is_cache(absolute):
-        raise Refused(f"'{absolute}' exists and is no point cache: choose another file")
-    return path, absolute
+def _all_curves(action):
+    if not hasattr(action, "layers"):
+        return action.fcurves
+    bags = (bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags)
+    return (found for bag in bags for found in bag.fcurves)
 
 
-def remove_keys(obj, names):
-    """Takes shape keys off, with the curves that animate their values."""
-    keys = obj.data.shape_keys
-    paths = {keys.key_blocks[name].path_from_id("value") for name in names}
-    if keys.animation_data and keys.animation_data.action:
-        curves = _curves(keys)
-        for curve in [curve for curve in curves if curve.data_path in paths]:
-            curves.remove(curve)
-    for name in names:
-        shape_keys.remove(obj, name)
+def _copy(source, target, path):
+    target.keyframe_insert(path, frame=source.keyframe_points[0].co.x)  # makes action, slot and curve
+    made = curve(target, path)
+    made.keyframe_points.clear()
+    made.keyframe_points.add(len(source.keyframe_points))
+    for old, new in zip(source.keyframe_points, made.keyframe_points, strict=True):
+        for name in (*_KINDS, "amplitude", "back", "period", *_PLACES):
+            setattr(new, name, getattr(old, name))
+    for old in source.modifiers:
+        new = made.modifiers.new(old.type)
+        _copy_properties(old, new)
+    made.extrapolation, made.mute, made.lock = source.extrapolation, source.mute, source.lock
+    made.update()
+
+
+def _copy_properties(old, new):
+    for prop in old.bl_rna.properties:
+        if not prop.is_readonly and prop.type != "COLLECTION":
+            setattr(new, prop.identifier, getattr(old, prop.identifier))
+
+
+def _blocks_with_drivers():
+    for prop in bpy.data.bl_rna.properties:
+        if prop.type == "COLLECTION":
+            for block in getattr(bpy.data, prop.identifier):
+                data = getattr(block, "animation_data", None)
+                if data is not None and len(data.drivers) and block.is_editable:
+                    yield block

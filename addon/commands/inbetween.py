@@ -10,7 +10,7 @@ from ..bridge import arcs, checks, sheet
 from ..core.easing import EASINGS
 from ..core.inbetween import MAX_COUNT
 from ..core.refused import Refused
-from ..properties.inbetween import PLAYBACK_ITEMS, ROTATION_ITEMS
+from ..properties.inbetween import PLAYBACK_ITEMS, ROTATION_ITEMS, STRETCH_ITEMS
 
 SUMMARY = "bake the arc between two shape keys as keys under one slider"
 STEPS = 7  # of the contact sheet
@@ -28,6 +28,8 @@ def configure(parser):
     keys.add_argument("--count", type=int, help=f"in-betweens, 1 to {MAX_COUNT} (default: 5)")
     keys.add_argument("--tolerance", type=float, help="the fewest keys within this distance, in scene units")
     add("--rotation", choices=[item[0] for item in ROTATION_ITEMS], default="consistent")
+    add("--stretch", choices=[item[0] for item in STRETCH_ITEMS], default="linear")
+    add("--refinement", type=int, default=0, help="rounds that keep lengths better (default: 0)")
     add("--easing", choices=[name.lower() for name in EASINGS], default="linear")
     add("--playback", choices=[item[0].lower() for item in PLAYBACK_ITEMS], default="relative")
     add("--leave-animation", action="store_true", help="leave drivers and animation with the end key")
@@ -78,6 +80,8 @@ def _checked(arguments):
         raise Refused("--steps: choose 2 to 50 tiles")
     if arguments.count is not None and not 1 <= arguments.count <= MAX_COUNT:
         raise Refused(f"--count: choose 1 to {MAX_COUNT} in-betweens")
+    if not 0 <= arguments.refinement <= 1000:
+        raise Refused("--refinement: choose 0 to 1000 rounds")
     if arguments.tolerance is not None and not 0 < arguments.tolerance < float("inf"):
         raise Refused("--tolerance: choose a distance above 0")
     return source
@@ -88,6 +92,8 @@ def _bake(obj, end, arguments):
         "start": arguments.start,
         "end": end,
         "rotation": arguments.rotation,
+        "stretch": arguments.stretch,
+        "refinement": arguments.refinement,
         "easing": arguments.easing.upper(),
         "playback": arguments.playback.upper(),
         "reroute": not arguments.leave_animation,

@@ -24,6 +24,8 @@ class Asked:
     count: int = 5
     tolerance: float = 0.001  # in scene units
     rotation: str = "consistent"
+    stretch: str = "linear"
+    refinement: int = 0
     easing: str = "LINEAR"
     playback: str = "RELATIVE"
     reroute: bool = True
@@ -32,7 +34,7 @@ class Asked:
     @property
     def options(self):
         """Those of lissom.Inbetween."""
-        return {"rotation": self.rotation}
+        return {"rotation": self.rotation, "stretch": self.stretch, "refinement": self.refinement}
 
     def knots(self, path):
         """The times of the keys of a lissom.Inbetween, (k,) with 0 and 1 among them."""
