@@ -114,9 +114,9 @@ def write_points(key, vertices):
 
 
 def remove(obj, name):
-    """Removes a key with its driver; the reference key goes with the last other one."""
+    """Removes a key with what animates it; the reference key goes with the last other one."""
     key = find(obj, name)
-    key.driver_remove("value")
+    animation.remove(key.id_data, key.path_from_id("value"))
     obj.shape_key_remove(key)
 
 

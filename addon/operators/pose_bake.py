@@ -5,7 +5,7 @@ import numpy as np
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
 from .. import live
-from ..bridge import animation, checks, meshes, poses, shape_keys
+from ..bridge import checks, meshes, playback, poses, shape_keys
 from ..core import cache, names, space
 from ..core.refused import Refused, first
 from ..core.work import Work
@@ -61,7 +61,7 @@ class LISSOM_OT_pose_bake(JobOperator, bpy.types.Operator):
             raise Refused(f"The last frame, {end}, is before the first, {start}")
         frames = self._frames = list(range(start, end + 1, self.step))
         if self.output == "CACHE":
-            self._path = animation.cache_path(self.filepath, obj)
+            self._path = playback.cache_path(self.filepath, obj)
         else:
             if len(frames) > MOST_KEYS:
                 raise Refused(
@@ -71,7 +71,7 @@ class LISSOM_OT_pose_bake(JobOperator, bpy.types.Operator):
             self._check_names(obj)
         self._mesh = meshes.Snapshot.of(obj, poses.linear_part(obj))
         with live.paused():
-            motions = animation.sample(scene, obj, frames)
+            motions = playback.sample(scene, obj, frames)
         linear, options = self._mesh.linear, {"max_iterations": self.max_iterations, "warm_start": False}
 
         def steps():
@@ -112,16 +112,18 @@ class LISSOM_OT_pose_bake(JobOperator, bpy.types.Operator):
             except OSError as error:
                 raise Refused(f"'{absolute}' could not be written: {error.strerror}") from None
             unbind(obj)
-            settings.baked_cache = animation.play_cache(obj, self.name, path, frames[0], self.step)
+            settings.baked_cache = playback.play_cache(obj, self.name, path, frames[0], self.step)
         else:
             self._check_names(obj)
             earlier = [baked.name for baked in settings.baked]
-            animation.remove_keys(obj, [name for name in earlier if name in self._blocks(obj)])
+            for name in earlier:
+                if name in self._blocks(obj):
+                    shape_keys.remove(obj, name)
             settings.baked.clear()
             for name, shape in zip(self._names, shapes, strict=True):
                 shape_keys.write(obj, name, shape, shape_keys.Settings())
                 settings.baked.add().name = name
-            animation.play_keys(obj, self._names, frames)
+            playback.play_keys(obj, self._names, frames)
             unbind(obj)
         context.scene.frame_set(context.scene.frame_current, subframe=context.scene.frame_subframe)
         if restless:
