@@ -20,6 +20,7 @@ CHIN = 8  # of the 68 landmarks
 TURNS = (0.5, 1.5, 2.5)
 ROTATIONS = ("relative", "consistent", "shortest")
 LENGTH, SIDE, RINGS, AROUND = 20.0, 0.4, 200, 40
+THICKER = 6.0  # in the picture than they are
 
 
 def run(face, given, made, studio, pictures):
@@ -64,7 +65,7 @@ def lid(given, made, into, studio, picture):
 
 
 def _over(ball, strip, values, label):
-    return Tile([_copy(ball), scene.posed(strip, values)], label, (0.0, -0.12), 2.7, turn=28)
+    return Tile([_copy(ball), at(strip, values)], label, (0.0, -0.12), 2.7, turn=28)
 
 
 def _strip(low, high, around=72, across=24):
@@ -106,8 +107,9 @@ def jaw(face, made, into, studio, picture):
         way: np.array([shown(head, {name: t})[chin] for t in MEASURED])
         for way, name in {"straight": OPEN, "lissom": "jaw"}.items()
     }
-    centre, angle = _hinge(face)
-    circle = np.array([_around(paths["straight"][0], centre, angle * t) for t in MEASURED])
+    first, last = paths["straight"][0], paths["straight"][-1]
+    centre, angle = _best_circle(first, last, _hinge(face))
+    circle = np.array([_around(first, centre, angle * t) for t in MEASURED])
     off = {
         way: float(np.linalg.norm(path - circle, axis=1).max() * MILLIMETRES) for way, path in paths.items()
     }
@@ -117,7 +119,7 @@ def jaw(face, made, into, studio, picture):
         "lissom": scene.material("Arc", (0.05, 0.42, 0.60), 0.4),
     }
     tiles = [
-        Tile([scene.posed(head, {"jaw": t})], f"jawOpen, {100 * t:.0f} %", (0.0, -0.45), 2.6, turn=-90)
+        Tile([at(head, {"jaw": t})], f"jawOpen, {100 * t:.0f} %", (0.0, -0.45), 2.6, turn=-90)
         for t in (0.0, 0.5, 1.0)
     ]
     marks = []
@@ -132,7 +134,7 @@ def jaw(face, made, into, studio, picture):
         (-middle[1], middle[2]),
         height,
         turn=-90,
-        note="black: about the hinge of the lower teeth",
+        note="black: its best circle about the hinge",
         marks=[(np.array(place), radius * height / 0.5, colour) for place, radius, colour in marks],
     )
     studio.sheet([[*tiles, near]], picture, aspect=1.15)
@@ -140,7 +142,7 @@ def jaw(face, made, into, studio, picture):
 
 
 def _hinge(face):
-    """Centre (y, z) and angle about x of the best rigid motion of the teeth that move (Kabsch 1976)."""
+    """Centre (y, z) of the turn of the lower teeth about x: their best rigid motion (Kabsch 1976)."""
     moved = np.linalg.norm(face.expressions[OPEN], axis=1)
     teeth = np.flatnonzero((face.vertex_part == "teeth") & (moved > 0.5 * moved.max()))
     before = face.neutral[teeth][:, 1:]
@@ -148,8 +150,16 @@ def _hinge(face):
     a, b = (points - points.mean(axis=0) for points in (before, after))
     angle = np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum())
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    centre = np.linalg.solve(np.eye(2) - turn, after.mean(axis=0) - turn @ before.mean(axis=0))
-    return centre, angle
+    return np.linalg.solve(np.eye(2) - turn, after.mean(axis=0) - turn @ before.mean(axis=0))
+
+
+def _best_circle(start, end, hinge):
+    """The centre nearest to the hinge of a circle through both ends, (y, z), and the angle between them."""
+    a, b = start[1:], end[1:]
+    chord = (b - a) / np.linalg.norm(b - a)
+    centre = hinge - chord * (chord @ (hinge - 0.5 * (a + b)))
+    u, v = a - centre, b - centre
+    return centre, np.arctan2(u[0] * v[1] - u[1] * v[0], u @ v)
 
 
 def _around(point, centre, angle):
@@ -189,12 +199,10 @@ def twist(made, into, studio, picture):
             row.append((bar, {rotation: 0.5}, turns))
         rows.append((rotation, row))
     rows.append(("straight line", [(bar, {"twisted": 0.5}, turns) for turns, bar in bars.items()]))
-    tiles = []
-    for label, row in rows:
-        tiles.append(
-            [_bar_tile(bar, values, f"{label}: {turns} turns, half way") for bar, values, turns in row]
-        )
-    studio.sheet(tiles, picture, aspect=0.22)
+    tiles = [
+        _bar_tile(bar, values, label, f"{turns} turns") for label, row in rows for bar, values, turns in row
+    ]
+    studio.sheet([tiles], picture, aspect=3.0)
     return figures
 
 
@@ -233,23 +241,25 @@ def _bar_figures(rest, half, turns):
     }
 
 
-def _bar_tile(bar, values, label):
-    mesh = scene.posed(bar, values)
-    positions = scene.positions(mesh.vertices)
-    lying = np.stack([positions[:, 2] - LENGTH / 2, positions[:, 0], positions[:, 1]], axis=1)
-    # Five times as thick in the picture as it is.
-    lying[:, 1:] *= 2.5
-    mesh.vertices.foreach_set("co", lying.astype(np.float32).ravel())
+def _bar_tile(bar, values, label, note):
+    mesh = at(bar, values)
+    positions = scene.positions(mesh.vertices) * [THICKER, THICKER, 1.0]
+    mesh.vertices.foreach_set("co", positions.astype(np.float32).ravel())
     mesh.update()
-    return Tile([mesh], label, (0.0, -0.7), 4.4)
+    return Tile([mesh], label, (0.0, 8.6), 26.5, turn=30, note=note)
 
 
 # Shared
 
 
+def at(obj, values):
+    """A mesh of the object at these values of keys and sliders, all others at 0."""
+    return scene.posed(obj, {arc.name: 0.0 for arc in obj.lissom_inbetween.arcs} | values)
+
+
 def shown(obj, values):
-    """(n, 3): what the object shows at these values of keys and sliders."""
-    mesh = scene.posed(obj, values)
+    """(n, 3): what the object shows at these values of keys and sliders, all others at 0."""
+    mesh = at(obj, values)
     positions = scene.positions(mesh.vertices)
     bpy.data.meshes.remove(mesh)
     return positions
