@@ -158,13 +158,34 @@ class Transfer:
 
 class Inbetween:
     def __init__(
-        self, mesh: Mesh, start: ArrayLike, end: ArrayLike, rotation: str = "consistent"
+        self,
+        mesh: Mesh,
+        start: ArrayLike,
+        end: ArrayLike,
+        rotation: str = "consistent",
+        *,
+        stretch: str = "linear",
+        refinement: int = 0,
+        through: Sequence[tuple[float, ArrayLike]] = (),
+        preserve_volume: bool = False,
+        clearance: Mesh | None = None,
+        clearance_end: ArrayLike | None = None,
     ) -> None: ...
     @property
     def warnings(self) -> list[str]: ...
     def at(self, times: ArrayLike) -> NDArray[np.float64]: ...
-    def keyframes(self, tolerance: float, max_keys: int = 32) -> NDArray[np.float64]: ...
+    def keyframes(
+        self, tolerance: float | None = None, max_keys: int = 32, *, count: int | None = None
+    ) -> NDArray[np.float64]: ...
     def start(self, times: ArrayLike) -> Job: ...
+
+class Blend:
+    def __init__(
+        self, mesh: Mesh, start: ArrayLike, shapes: ArrayLike, *, refinement: int = 0
+    ) -> None: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def at(self, weights: ArrayLike) -> NDArray[np.float64]: ...
 
 def start_transfer(
     source: Mesh,
@@ -174,4 +195,16 @@ def start_transfer(
     unmatched: str = "follow",
     weighting: str = "pairs",
 ) -> Job: ...
-def start_inbetween(mesh: Mesh, start: ArrayLike, end: ArrayLike, rotation: str = "consistent") -> Job: ...
+def start_inbetween(
+    mesh: Mesh,
+    start: ArrayLike,
+    end: ArrayLike,
+    rotation: str = "consistent",
+    *,
+    stretch: str = "linear",
+    refinement: int = 0,
+    through: Sequence[tuple[float, ArrayLike]] = (),
+    preserve_volume: bool = False,
+    clearance: Mesh | None = None,
+    clearance_end: ArrayLike | None = None,
+) -> Job: ...

@@ -24,6 +24,7 @@ fn lissom_py(module: &Bound<'_, PyModule>) -> PyResult<()> {
     pose::register(module)?;
     transfer::register(module)?;
     module.add_class::<inbetween::PyInbetween>()?;
+    module.add_class::<inbetween::PyBlend>()?;
     module.add_function(wrap_pyfunction!(inbetween::start_inbetween, module)?)?;
     module.add_function(wrap_pyfunction!(job::_panic, module)?)
 }

@@ -21,7 +21,7 @@ const GRID: usize = 2048;
 const STRIDE: usize = 2;
 
 /// The path is solved at this many steps at least and at most, and interpolated between them.
-const STEPS: (usize, usize) = (32, 256);
+const STEPS: (usize, usize) = (16, 256);
 
 /// Steps are halved until cubic interpolation from every other one is off by at most this fraction of
 /// the tolerance. From all of them it is then off by a sixteenth of that.
@@ -33,6 +33,11 @@ const IN_HAND: f64 = 1.0 / 256.0;
 
 /// The least error for a number of keys is found to within this fraction.
 const EVENNESS: f64 = 0.02;
+
+/// To find the vertices with the largest errors, a segment is looked at in so many places. The peak of a parabola is then
+/// missed by 0.4 %, so all that come within a hundredth of the largest are looked at closely.
+const PROBES: usize = 16;
+const CLOSE: f32 = 0.99;
 
 /// Below this fraction of the straight line's error there is no telling errors from rounding.
 const NOTHING: f64 = 1e-9;
@@ -69,41 +74,34 @@ impl Inbetween {
         if max_keys < 2 {
             return invalid("max_keys", "less than 2: both ends are keys");
         }
-        let tracks = self.tracks(tolerance, job)?;
-        let size = |track: &Track| track.iter().map(|y| y.length_squared()).fold(0.0, f64::max);
-        let farthest = tracks.par_iter().enumerate().map(|(i, track)| (size(track), i));
-        let Some((_, farthest)) = farthest.max_by(|a, b| a.0.total_cmp(&b.0)) else {
-            return Ok(Keyframes { times: vec![0.0, 1.0], error: 0.0, warnings: Vec::new() });
+        let tracks = self.tracks(|_| tolerance, job)?;
+        let found = search(&tracks, Some(tolerance * (1.0 - IN_HAND)), max_keys, job)?;
+        let warnings = match found.enough {
+            true => Vec::new(),
+            false => vec![format!("max_keys: {max_keys} keys leave an error of {:.3e}", found.error)],
         };
-
-        let aim = tolerance * (1.0 - IN_HAND);
-        let mut known = vec![farthest];
-        loop {
-            job.check()?;
-            let few: Vec<Track> = known.iter().map(|&i| refined(&tracks[i])).collect();
-            let enough = fewest(&few, aim, max_keys, job)?;
-            let (keys, least) = evenly(&few, enough.as_ref().map_or(max_keys, Vec::len), job)?;
-            let allowed = if enough.is_some() { aim } else { least * (1.0 + EVENNESS) };
-            let worst = worst(&tracks, &keys);
-            let offenders = worst.iter().filter(|(error, i)| *error > allowed && !known.contains(i));
-            let mut offenders: Vec<usize> = offenders.map(|&(_, i)| i).collect();
-            offenders.sort_unstable();
-            offenders.dedup();
-            if offenders.is_empty() {
-                let error = worst.iter().fold(0.0, |e: f64, w| e.max(w.0));
-                let warnings = match enough {
-                    Some(_) => Vec::new(),
-                    None => vec![format!("max_keys: {max_keys} keys leave an error of {error:.3e}")],
-                };
-                let times = keys.into_iter().map(|k| k as f64 / GRID as f64).collect();
-                return Ok(Keyframes { times, error, warnings });
-            }
-            known.extend(offenders);
-        }
+        Ok(Keyframes { times: found.times, error: found.error, warnings })
     }
 
-    /// The arcs of all vertices that leave the straight line, in the mesh's own units.
-    fn tracks(&self, tolerance: f64, job: &Job) -> Result<Vec<Track>> {
+    /// The `count` times, with 0 and 1 among them, whose straight-line playback has the least error; fewer where they do as
+    /// well.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidValue`] for fewer than two keys, [`Error::OutOfMemory`], [`Error::Cancelled`].
+    pub fn keyframes_by_count(&self, count: usize, job: &Job) -> Result<Keyframes> {
+        if count < 2 {
+            return Err(Error::InvalidValue(Fault::new("count", "less than 2: both ends are keys")));
+        }
+        // A chord over a fraction of an arc is off by about the square of that fraction.
+        let segments = (count - 1) as f64;
+        let tracks = self.tracks(|farthest| 0.5 * farthest / (segments * segments), job)?;
+        let found = search(&tracks, None, count, job)?;
+        Ok(Keyframes { times: found.times, error: found.error, warnings: Vec::new() })
+    }
+
+    /// The arcs of all vertices that leave the straight line, in the mesh's own units; `tolerance` of the largest arc.
+    fn tracks(&self, tolerance: impl Fn(f64) -> f64, job: &Job) -> Result<Vec<Track>> {
         let n = self.shapes[0].len();
         let mut steps = 1;
         let mut arcs = vec![vec![Vec3::ZERO; n]; 2];
@@ -131,6 +129,8 @@ impl Inbetween {
             merged.push(vec![Vec3::ZERO; n]);
             arcs = merged;
             steps *= 2;
+            let largest = arcs.par_iter().map(|y| y.iter().map(|y| y.length_squared()).fold(0.0, f64::max));
+            let tolerance = tolerance(largest.reduce(|| 0.0, f64::max).sqrt() * self.scale);
             if steps >= STEPS.1 || (steps >= STEPS.0 && off <= INTERPOLATION * tolerance) {
                 break;
             }
@@ -138,6 +138,47 @@ impl Inbetween {
         let moves = |v: &usize| arcs.iter().any(|y| y[*v] != Vec3::ZERO);
         let vertices = (0..n).into_par_iter().filter(moves);
         Ok(vertices.map(|v| arcs.iter().map(|y| y[v] * self.scale).collect()).collect())
+    }
+}
+
+/// What a search found, and whether it kept the tolerance.
+struct Found {
+    times: Vec<f64>,
+    error: f64,
+    enough: bool,
+}
+
+/// The fewest keys, at most `most`, that keep all tracks within `aim`, or the `most` keys with the least error.
+fn search(tracks: &[Track], aim: Option<f64>, most: usize, job: &Job) -> Result<Found> {
+    let size = |track: &Track| track.iter().map(|y| y.length_squared()).fold(0.0, f64::max);
+    let farthest = tracks.par_iter().enumerate().map(|(i, track)| (size(track), i));
+    let Some((_, farthest)) = farthest.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+        return Ok(Found { times: vec![0.0, 1.0], error: 0.0, enough: true });
+    };
+    let mut known = vec![farthest];
+    loop {
+        job.check()?;
+        let few: Vec<Track> = known.iter().map(|&i| refined(&tracks[i])).collect();
+        let enough = match aim {
+            Some(aim) => fewest(&few, aim, most, job)?,
+            None => None,
+        };
+        let (keys, least) = evenly(&few, enough.as_ref().map_or(most, Vec::len), job)?;
+        let allowed = match (aim, &enough) {
+            (Some(aim), Some(_)) => aim,
+            _ => least * (1.0 + EVENNESS),
+        };
+        let worst = worst(tracks, &keys);
+        let offenders = worst.iter().filter(|(error, i)| *error > allowed && !known.contains(i));
+        let mut offenders: Vec<usize> = offenders.map(|&(_, i)| i).collect();
+        offenders.sort_unstable();
+        offenders.dedup();
+        if offenders.is_empty() {
+            let error = worst.iter().fold(0.0, |e: f64, w| e.max(w.0));
+            let times = keys.into_iter().map(|k| k as f64 / GRID as f64).collect();
+            return Ok(Found { times, error, enough: enough.is_some() });
+        }
+        known.extend(offenders);
     }
 }
 
@@ -228,10 +269,32 @@ fn evenly(tracks: &[Track], count: usize, job: &Job) -> Result<(Vec<usize>, f64)
 
 /// The largest error of each segment, and the track that has it.
 fn worst(tracks: &[Track], keys: &[usize]) -> Vec<(f64, usize)> {
-    let none = || vec![(0.0, 0); keys.len() - 1];
+    let segments = keys.len() - 1;
+    let grid = |k: usize| k as f64 / GRID as f64;
+    // At a few times each, to know which tracks to look at.
+    let errors: Vec<Vec<f32>> = (tracks.par_iter())
+        .map(|track| {
+            let at_keys: Vec<Vec3> = keys.iter().map(|&k| cubic(track, grid(k))).collect();
+            let error = |k: usize| {
+                let probe = |i: usize| {
+                    let share = i as f64 / (PROBES + 1) as f64;
+                    let t = grid(keys[k]) * (1.0 - share) + grid(keys[k + 1]) * share;
+                    at_keys[k].lerp(at_keys[k + 1], share).distance_squared(cubic(track, t))
+                };
+                (1..=PROBES).map(probe).fold(0.0, f64::max).sqrt() as f32
+            };
+            (0..segments).map(error).collect()
+        })
+        .collect();
+    let largest: Vec<f32> =
+        (0..segments).map(|k| errors.iter().map(|of| of[k]).fold(0.0, f32::max)).collect();
+    let close = |of: &[f32]| (0..segments).any(|k| of[k] >= CLOSE * largest[k]);
+    let candidates: Vec<usize> = (0..tracks.len()).filter(|&i| close(&errors[i])).collect();
+
+    let none = || vec![(0.0, 0); segments];
     let larger = |a: (f64, usize), b: (f64, usize)| if b.0 > a.0 { b } else { a };
-    let errors = tracks.par_iter().enumerate().fold(none, |mut errors, (i, track)| {
-        let track = refined(track);
+    let errors = candidates.par_iter().fold(none, |mut errors, &i| {
+        let track = refined(&tracks[i]);
         for (error, key) in errors.iter_mut().zip(keys.windows(2)) {
             let here = between(key[0], key[1]).map(|s| error_squared(&track, key[0], key[1], s));
             *error = larger(*error, (here.fold(0.0, f64::max), i));
@@ -240,4 +303,16 @@ fn worst(tracks: &[Track], keys: &[usize]) -> Vec<(f64, usize)> {
     });
     let all = errors.reduce(none, |a, b| a.into_iter().zip(b).map(|(a, b)| larger(a, b)).collect());
     all.into_iter().map(|(squared, i)| (squared.sqrt(), i)).collect()
+}
+
+/// The track at time `t`, by the cubic through the four nearest steps.
+fn cubic(track: &Track, t: f64) -> Vec3 {
+    let steps = track.len() - 1;
+    let first = ((t * steps as f64) as usize).saturating_sub(1).min(steps - 3);
+    let s = t * steps as f64 - first as f64;
+    let (a, b, c) = (s - 1.0, s - 2.0, s - 3.0);
+    track[first] * (-a * b * c / 6.0)
+        + track[first + 1] * (s * b * c / 2.0)
+        + track[first + 2] * (-s * a * c / 2.0)
+        + track[first + 3] * (s * a * b / 6.0)
 }

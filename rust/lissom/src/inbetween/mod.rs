@@ -31,18 +31,25 @@
 //! | `stretch` | `S(t)`: in equal steps or by equal factors |
 //! | `path` | `x(t)`: all of these at a time |
 //! | `elements` | the stitch, and rotations refitted to it |
+//! | `volume`, `clearance` | the volume kept, an obstacle respected |
 //! | `keyframes` | the fewest times between which a straight line will do |
+//! | `route` | a path through several shapes |
+//! | `blend` | several shapes at once |
 //!
 //! Vertices in the same place at both ends stay there exactly; a connected component without such
 //! a vertex has its centroid move straight.
 
+mod blend;
 mod branches;
+mod clearance;
 mod elements;
 mod keyframes;
 mod path;
 mod relative;
 mod rotations;
+mod route;
 mod stretch;
+mod volume;
 
 use std::sync::Arc;
 
@@ -54,10 +61,14 @@ use crate::mesh::validate;
 use crate::operators::hats_of;
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
 use branches::{Neighbours, Turn};
+use clearance::Clearance;
 use elements::{Elements, Hats};
 use relative::Relative;
+use volume::Volumes;
 
+pub use blend::Blend;
 pub use keyframes::Keyframes;
+pub use route::Route;
 pub use stretch::Stretch;
 
 /// Correlation of the folds at both ends, below the negative of which a component counts as mirrored.
@@ -76,7 +87,7 @@ pub enum Rotation {
 }
 
 /// Options of [`Inbetween`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct InbetweenOptions {
     /// How turns are chosen.
     pub rotation: Rotation,
@@ -84,6 +95,19 @@ pub struct InbetweenOptions {
     pub stretch: Stretch,
     /// How many rounds of refitting the rotations to the stitched shape.
     pub refinement: usize,
+    /// Whether closed components keep their volume, in equal steps from the start's to the end's.
+    pub preserve_volume: bool,
+    /// What no in-between may enter deeper than the ends do.
+    pub clearance: Option<Obstacle>,
+}
+
+/// A closed surface in the same units, and where its vertices are at the end, if elsewhere.
+#[derive(Debug, Clone)]
+pub struct Obstacle {
+    /// Where it is at the start.
+    pub mesh: Arc<Mesh>,
+    /// One position per vertex.
+    pub end: Option<Vec<Vec3>>,
 }
 
 /// The path from one shape of a mesh to another, factored once and evaluated at any time.
@@ -110,6 +134,9 @@ pub struct Inbetween {
     stretches: Vec<Option<[f64; 2]>>,
     /// Triangles with a rotation of their own.
     turning: Vec<bool>,
+    still: Vec<bool>,
+    volumes: Option<Volumes>,
+    clearance: Option<Clearance>,
     warnings: Vec<String>,
 }
 
@@ -158,9 +185,7 @@ impl Inbetween {
         let (turns, tree) = match options.rotation {
             Rotation::Shortest => (branches::shortest(&motions), Vec::new()),
             Rotation::Consistent | Rotation::Relative => {
-                let moved = |t: &[u32; 3]| t.iter().filter(|&&v| !still[v as usize]).count() as u8;
-                let moved: Vec<u8> = mesh.triangles().iter().map(moved).collect();
-                branches::consistent(&neighbours, &motions, &moved, job)?
+                branches::consistent(&neighbours, &motions, &moved_corners(&mesh, &still), job)?
             }
         };
 
@@ -180,8 +205,19 @@ impl Inbetween {
         let components = mesh.components();
         let problem = "components that are a mirror image of the start and cave in on the way, named by their first vertex";
         let firsts = components.members();
-        let firsts = mirrored(&mesh, &a, &b).into_iter().map(|c| firsts[c][0] as usize);
-        warnings.extend(Fault::at("end", problem, firsts).map(|fault| fault.to_string()));
+        let turned = mirrored(&mesh, &a, &b).into_iter().map(|c| firsts[c][0] as usize);
+        warnings.extend(Fault::at("end", problem, turned).map(|fault| fault.to_string()));
+
+        let volumes = options.preserve_volume.then(|| Volumes::of(&mesh, &a, &b));
+        let open = volumes.iter().flat_map(Volumes::open).map(|c| firsts[c][0] as usize);
+        let problem = "open components, which have no volume to preserve, named by their first vertex";
+        warnings.extend(Fault::at("preserve_volume", problem, open).map(|fault| fault.to_string()));
+        let clearance = match &options.clearance {
+            Some(Obstacle { mesh, end: moved }) => {
+                Some(Clearance::new(mesh.clone(), moved.as_deref(), [start, end], scale, job)?)
+            }
+            None => None,
+        };
 
         job.report(0.5, "factorization");
         job.check()?;
@@ -216,6 +252,9 @@ impl Inbetween {
             relative,
             stretches,
             turning,
+            still,
+            volumes,
+            clearance,
             warnings,
         })
     }
@@ -226,7 +265,13 @@ impl Inbetween {
     }
 }
 
-/// Checks one of the two shapes.
+/// How many corners of each triangle move.
+fn moved_corners(mesh: &Mesh, still: &[bool]) -> Vec<u8> {
+    let moved = |t: &[u32; 3]| t.iter().filter(|&&v| !still[v as usize]).count() as u8;
+    mesh.triangles().iter().map(moved).collect()
+}
+
+/// Checks one of the shapes.
 fn shape_frame(argument: &str, mesh: &Mesh, shape: &[Vec3]) -> Result<UnitFrame> {
     if shape.len() != mesh.vertices().len() {
         let (rows, n) = (shape.len(), mesh.vertices().len());

@@ -25,10 +25,7 @@ impl Inbetween {
     /// [`Error::InvalidValue`] for a time that is not within 0 and 1, [`Error::OutOfMemory`],
     /// [`Error::SolveFailed`] where positions overflow, [`Error::Cancelled`].
     pub fn at(&self, times: &[f64], job: &Job) -> Result<Vec<Vec<Vec3>>> {
-        let outside = times.iter().enumerate().filter(|(_, t)| !(0.0..=1.0).contains(*t));
-        if let Some(fault) = Fault::at("times", "not within 0 and 1", outside.map(|(i, _)| i)) {
-            return Err(Error::InvalidValue(fault));
-        }
+        Self::check_times(times)?;
         // Once here, and once more for whoever takes them over.
         let bytes = 2 * size_of::<Vec3>() as u128 * times.len() as u128 * self.shapes[0].len() as u128;
         memory::check("the in-betweens", bytes)?;
@@ -44,6 +41,13 @@ impl Inbetween {
             Some(fault) => Err(Error::SolveFailed(fault.to_string())),
             None => Ok(shapes),
         }
+    }
+
+    /// Refuses times that are not within 0 and 1.
+    pub(super) fn check_times(times: &[f64]) -> Result<()> {
+        let outside = times.iter().enumerate().filter(|(_, t)| !(0.0..=1.0).contains(*t));
+        let fault = Fault::at("times", "not within 0 and 1", outside.map(|(i, _)| i));
+        fault.map_or(Ok(()), |fault| Err(Error::InvalidValue(fault)))
     }
 
     /// The position on the straight line plus the arc's distance from it.
@@ -73,7 +77,21 @@ impl Inbetween {
             job.check()?;
             asked.push(self.asked(self.inner_time(t), job)?);
         }
-        self.elements.stitch(&asked, self.options.refinement, |t| self.turning[t], job)
+        let mut arcs = self.elements.stitch(&asked, self.options.refinement, |t| self.turning[t], job)?;
+        for ((&t, asked), y) in times.iter().zip(&asked).zip(&mut arcs) {
+            if let Some(volumes) = &self.volumes {
+                volumes.restore(&self.elements, &asked.line, y, self.inner_time(t), job)?;
+                *y = self.elements.centred(std::mem::take(y));
+            }
+            if let Some(clearance) = &self.clearance
+                && t > 0.0
+                && t < 1.0
+            {
+                let (still, place) = (|v: usize| self.still[v], |y: &[Vec3]| self.shape(t, y));
+                clearance.keep(&self.elements, t, self.scale, still, place, y, job)?;
+            }
+        }
+        Ok(arcs)
     }
 
     /// What every triangle asks for at time `t`.

@@ -25,7 +25,7 @@ use crate::{Job, Mat3, Mesh, Result, Vec3, rotation};
 
 /// Gauss-Newton steps at most, and the turn in radians below which a step is the last.
 const STEPS: usize = 6;
-const SMALL: f64 = 1e-6;
+const SMALL: f64 = 1e-4;
 
 /// Angle between neighbours, in radians, from which on they are trusted less.
 const CREASE: f64 = 0.5;

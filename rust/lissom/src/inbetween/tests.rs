@@ -386,7 +386,7 @@ fn row_3_numbers_that_are_not_finite_are_refused() {
     let options = InbetweenOptions::default();
     let job = Job::default();
     for (start, end, name) in [(&bad, &case.end, "start"), (&case.start, &bad, "end")] {
-        let error = Inbetween::new(case.mesh.clone(), start, end, options, &job).unwrap_err();
+        let error = Inbetween::new(case.mesh.clone(), start, end, options.clone(), &job).unwrap_err();
         assert_eq!(error.to_string(), format!("{name}: not finite (at 5, 9; 2 in all)"));
     }
     let path = case.path(Rotation::Consistent);

@@ -25,7 +25,7 @@
 pub mod apply;
 mod carry;
 mod choose;
-mod closest;
+pub(crate) mod closest;
 mod energy;
 pub mod fit;
 mod markers;

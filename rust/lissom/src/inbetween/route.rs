@@ -1,0 +1,165 @@
+//! A path through more than two shapes: one [`Inbetween`] from each to the next.
+//!
+//! All shapes are hit exactly. In between each leg has a path of its own, so speed may change from one leg to the next.
+
+use std::sync::Arc;
+
+use super::{Inbetween, InbetweenOptions, Keyframes};
+use crate::{Error, Fault, Job, Mesh, Result, Vec3};
+
+/// A path through a list of shapes.
+#[derive(Debug)]
+pub struct Route {
+    /// The times of the shapes, from 0 to 1.
+    knots: Vec<f64>,
+    legs: Vec<Inbetween>,
+}
+
+impl Route {
+    /// Prepares the path from `start` through shapes at ascending times to `end`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidValue`] for times of `through` that do not ascend between 0 and 1; as [`Inbetween::new`].
+    pub fn new(
+        mesh: &Arc<Mesh>,
+        start: &[Vec3],
+        end: &[Vec3],
+        through: &[(f64, Vec<Vec3>)],
+        options: &InbetweenOptions,
+        job: &Job,
+    ) -> Result<Self> {
+        let mut knots = vec![0.0];
+        knots.extend(through.iter().map(|(t, _)| *t));
+        knots.push(1.0);
+        let late = (1..=through.len()).filter(|&k| !(knots[k - 1] < knots[k] && knots[k] < 1.0));
+        if let Some(fault) = Fault::at("through", "times that do not ascend between 0 and 1", late.map(|k| k - 1)) {
+            return Err(Error::InvalidValue(fault));
+        }
+        if options.clearance.as_ref().is_some_and(|c| c.end.is_some()) && !through.is_empty() {
+            let problem = "an obstacle that moves and shapes to go through do not go together";
+            return Err(Error::InvalidValue(Fault::new("clearance_end", problem)));
+        }
+        let stops: Vec<&[Vec3]> = std::iter::once(start)
+            .chain(through.iter().map(|(_, shape)| shape.as_slice()))
+            .chain(std::iter::once(end))
+            .collect();
+        let last = through.len();
+        let legs = (stops.windows(2).enumerate())
+            .map(|(k, ends)| {
+                let leg = Inbetween::new(mesh.clone(), ends[0], ends[1], options.clone(), job);
+                leg.map_err(|error| name_stops(error, k, last))
+            })
+            .collect::<Result<_>>()?;
+        Ok(Self { knots, legs })
+    }
+
+    /// What is doubtful, of all legs.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings: Vec<String> = Vec::new();
+        for warning in self.legs.iter().flat_map(Inbetween::warnings) {
+            if !warnings.contains(warning) {
+                warnings.push(warning.clone());
+            }
+        }
+        warnings
+    }
+
+    /// Positions at each of `times`, as [`Inbetween::at`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Inbetween::at`].
+    pub fn at(&self, times: &[f64], job: &Job) -> Result<Vec<Vec<Vec3>>> {
+        if let [leg] = &self.legs[..] {
+            return leg.at(times, job);
+        }
+        Inbetween::check_times(times)?;
+        let mut shapes = vec![Vec::new(); times.len()];
+        for (k, leg) in self.legs.iter().enumerate() {
+            let (from, to) = (self.knots[k], self.knots[k + 1]);
+            let here: Vec<usize> = (0..times.len())
+                .filter(|&i| times[i] >= from && (times[i] < to || (to == 1.0 && times[i] <= 1.0)))
+                .collect();
+            let own: Vec<f64> = here.iter().map(|&i| ((times[i] - from) / (to - from)).min(1.0)).collect();
+            for (i, shape) in here.into_iter().zip(leg.at(&own, job)?) {
+                shapes[i] = shape;
+            }
+        }
+        Ok(shapes)
+    }
+
+    /// The fewest times, those of all shapes among them, as [`Inbetween::keyframes`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Inbetween::keyframes`]; [`Error::InvalidValue`] for fewer keys than shapes.
+    pub fn keyframes(&self, tolerance: f64, max_keys: usize, job: &Job) -> Result<Keyframes> {
+        if let [leg] = &self.legs[..] {
+            return leg.keyframes(tolerance, max_keys, job);
+        }
+        self.check_count("max_keys", max_keys)?;
+        let legs = self.legs.iter().map(|leg| leg.keyframes(tolerance, max_keys, job));
+        let joined = self.join(&legs.collect::<Result<Vec<_>>>()?);
+        if joined.times.len() <= max_keys && joined.warnings.is_empty() {
+            return Ok(joined);
+        }
+        let mut best = self.keyframes_by_count(max_keys, job)?;
+        best.warnings.push(format!("max_keys: {max_keys} keys leave an error of {:.3e}", best.error));
+        Ok(best)
+    }
+
+    /// The `count` times with the least error, as [`Inbetween::keyframes_by_count`]. The leg with the largest error gets the
+    /// next key: more keys never raise a leg's error, so no other share has a smaller one.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidValue`] for fewer keys than shapes.
+    pub fn keyframes_by_count(&self, count: usize, job: &Job) -> Result<Keyframes> {
+        if let [leg] = &self.legs[..] {
+            return leg.keyframes_by_count(count, job);
+        }
+        self.check_count("count", count)?;
+        let legs = self.legs.iter().map(|leg| leg.keyframes_by_count(2, job));
+        let mut legs = legs.collect::<Result<Vec<_>>>()?;
+        for _ in self.knots.len()..count {
+            let worst = (0..legs.len()).max_by(|&i, &j| legs[i].error.total_cmp(&legs[j].error));
+            let Some(worst) = worst.filter(|&k| legs[k].error > 0.0) else { break };
+            legs[worst] = self.legs[worst].keyframes_by_count(legs[worst].times.len() + 1, job)?;
+        }
+        Ok(self.join(&legs))
+    }
+
+    fn check_count(&self, argument: &str, count: usize) -> Result<()> {
+        if count >= self.knots.len() {
+            return Ok(());
+        }
+        let problem = format!("less than {}: every shape is a key", self.knots.len());
+        Err(Error::InvalidValue(Fault::new(argument, problem)))
+    }
+
+    fn join(&self, legs: &[Keyframes]) -> Keyframes {
+        let mut times = vec![0.0];
+        for (k, leg) in legs.iter().enumerate() {
+            let (from, to) = (self.knots[k], self.knots[k + 1]);
+            times.extend(leg.times[1..leg.times.len() - 1].iter().map(|t| from + (to - from) * t));
+            times.push(to);
+        }
+        Keyframes {
+            times,
+            error: legs.iter().map(|leg| leg.error).fold(0.0, f64::max),
+            warnings: legs.iter().flat_map(|leg| leg.warnings.clone()).collect(),
+        }
+    }
+}
+
+/// The start and end of a leg by the caller's names for them.
+fn name_stops(error: Error, leg: usize, last: usize) -> Error {
+    let Error::InvalidValue(mut fault) = error else { return error };
+    match fault.argument.as_str() {
+        "start" if leg > 0 => fault.argument = format!("through[{}]", leg - 1),
+        "end" if leg < last => fault.argument = format!("through[{leg}]"),
+        _ => {}
+    }
+    Error::InvalidValue(fault)
+}
