@@ -119,7 +119,7 @@ def jaw(face, made, into, studio, picture):
         "lissom": scene.material("Arc", (0.05, 0.42, 0.60), 0.4),
     }
     tiles = [
-        Tile([at(head, {"jaw": t})], f"jawOpen, {100 * t:.0f} %", (0.0, -0.45), 2.6, turn=-90)
+        Tile([at(head, {"jaw": t})], f"jawOpen, {100 * t:.0f} %", (-0.25, -0.45), 2.6, turn=-90)
         for t in (0.0, 0.5, 1.0)
     ]
     marks = []
@@ -127,11 +127,11 @@ def jaw(face, made, into, studio, picture):
         size, every = {"circle": (0.0022, 1), "straight": (0.005, 10), "lissom": (0.005, 10)}[way]
         marks += [((-1.5, *point[1:]), size, colours[way]) for point in path[::every]]
     middle = 0.5 * (circle[0] + circle[-1])
-    height = 1.5 * np.ptp(circle[:, 2])
+    height = 1.7 * np.ptp(circle[:, 2])
     near = Tile(
-        [],
-        "the chin's path: line (red), ours (blue)",
-        (-middle[1], middle[2]),
+        [at(head, {})],
+        "the chin's path: line red, Lissom blue",
+        (middle[1], middle[2] - 0.1 * height),
         height,
         turn=-90,
         note="black: its best circle about the hinge",
@@ -202,7 +202,7 @@ def twist(made, into, studio, picture):
     tiles = [
         _bar_tile(bar, values, label, f"{turns} turns") for label, row in rows for bar, values, turns in row
     ]
-    studio.sheet([tiles], picture, aspect=3.0)
+    studio.sheet([tiles[:6], tiles[6:]], picture, aspect=1.6)
     return figures
 
 

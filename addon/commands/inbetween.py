@@ -30,6 +30,8 @@ def configure(parser):
     add("--rotation", choices=[item[0] for item in ROTATION_ITEMS], default="consistent")
     add("--stretch", choices=[item[0] for item in STRETCH_ITEMS], default="linear")
     add("--refinement", type=int, default=0, help="rounds that keep lengths better (default: 0)")
+    add("--preserve-volume", action="store_true", help="closed parts lose no volume between the ends")
+    add("--clearance", default="", help="name of a closed mesh object that arcs keep out of")
     add("--easing", choices=[name.lower() for name in EASINGS], default="linear")
     add("--playback", choices=[item[0].lower() for item in PLAYBACK_ITEMS], default="relative")
     add("--leave-animation", action="store_true", help="leave drivers and animation with the end key")
@@ -94,6 +96,8 @@ def _bake(obj, end, arguments):
         "rotation": arguments.rotation,
         "stretch": arguments.stretch,
         "refinement": arguments.refinement,
+        "preserve_volume": arguments.preserve_volume,
+        "clearance": arguments.clearance,
         "easing": arguments.easing.upper(),
         "playback": arguments.playback.upper(),
         "reroute": not arguments.leave_animation,

@@ -36,8 +36,9 @@ STRETCH_ITEMS = [
     ("logarithmic", "By Factors", "Lengths grow by the same factor in every step", 1),
 ]
 SAMPLING_ITEMS = [
-    ("COUNT", "Count", "So many in-betweens, evenly spaced in time", 0),
+    ("COUNT", "Even", "So many in-betweens, evenly spaced in time", 0),
     ("TOLERANCE", "Tolerance", "As few as keep every vertex within a distance of the arc", 1),
+    ("PLACED", "Placed", "So many in-betweens, placed where they follow the arc best", 2),
 ]
 PLAYBACK_ITEMS = [
     ("RELATIVE", "Relative Keys", "The slider drives the baked keys; other keys add to them", 0),
@@ -48,6 +49,11 @@ PLAYBACK_ITEMS = [
         1,
     ),
 ]
+
+
+def _obstacles(settings, context, text):
+    own = settings.id_data if isinstance(settings.id_data, bpy.types.Object) else None
+    return [obj.name for obj in bpy.data.objects if obj.type == "MESH" and obj != own]
 
 
 def path_properties(**also):
@@ -75,6 +81,20 @@ def path_properties(**also):
             min=0,
             soft_max=20,
             max=1000,
+            **also,
+        ),
+        "preserve_volume": BoolProperty(
+            name="Keep Volume",
+            description="Closed parts change their volume in even steps and lose none between the ends",
+            default=False,
+            **also,
+        ),
+        "clearance": StringProperty(
+            name="Clearance",
+            description="A closed mesh object, as an eyeball under a lid, that the arc enters no deeper than "
+            "its ends do. Where it has keys of their names, it moves by them",
+            search=_obstacles,
+            search_options=set(),
             **also,
         ),
     }

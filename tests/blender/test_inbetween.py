@@ -64,6 +64,7 @@ def assert_plays(obj, slider, path, atol=1e-5):
         {"rotation": "relative"},
         {"stretch": "logarithmic"},
         {"refinement": 2},
+        {"preserve_volume": True},
     ],
     ids=str,
 )
