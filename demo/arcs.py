@@ -8,6 +8,7 @@ import time
 import bpy
 import numpy as np
 import scene
+from mathutils import Vector
 from studio import Tile
 
 MILLIMETRES = 100.0  # in a decimetre
@@ -15,7 +16,8 @@ MEASURED = np.linspace(0.0, 1.0, 101)
 STEPS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 LID_TURN, LID_TOLERANCE = 100.0, 0.002  # degrees; in radii of the ball, which is 1
-OPEN = "jawOpen"
+OPEN, CLOSE = "jawOpen", "eyeBlink_L"
+NEAR_EYE = (-0.36, 0.38), 0.5  # centre and height of the picture
 CHIN = 8  # of the 68 landmarks
 TURNS = (0.5, 1.5, 2.5)
 ROTATIONS = ("relative", "consistent", "shortest")
@@ -24,11 +26,12 @@ THICKER = 6.0  # in the picture than they are
 
 
 def run(face, given, made, studio, pictures):
-    """Bakes, measures and draws; ``pictures`` has the paths of "lid", "jaw" and "twist"."""
+    """Bakes, measures and draws; ``pictures`` has the paths of "lid", "jaw", "blink" and "twist"."""
     into = scene.collection("6 Arcs")
     return {
         "lid": lid(given, made, into, studio, pictures["lid"]),
         "jaw": jaw(face, made, into, studio, pictures["jaw"]),
+        "blink": blink(face, made, into, studio, pictures["blink"]),
         "twist": twist(made, into, studio, pictures["twist"]),
     }
 
@@ -166,6 +169,60 @@ def _around(point, centre, angle):
     y, z = point[1:] - centre
     c, s = np.cos(angle), np.sin(angle)
     return np.array([point[0], centre[0] + c * y - s * z, centre[1] + s * y + c * z])
+
+
+# The blink: a lid over an eyeball that is no part of the mesh, as a clearance.
+
+
+def blink(face, made, into, studio, picture):
+    skin = face.only("face", "head_and_neck", "mouth_socket", "eye_sockets")
+    head = scene.face_object("Blink", skin, skin.neutral, made, into, (28.0, 0, 0))
+    scene.add_keys(head, skin.neutral, {CLOSE: skin.expressions[CLOSE]})
+    eye = face.only("eyeball_left")
+    centre, radius = _best_sphere(eye.neutral)
+    points, faces = _sphere(radius)
+    ball = _mesh_object("Eyeball", points, faces, scene.eye(), into, (28.0, 0, 0))
+    ball.location += Vector(centre)
+    bpy.context.view_layer.update()
+    for slider, clearance in (("plain", ""), ("clear", ball.name)):
+        scene.run(
+            bpy.ops.lissom.inbetween_bake,
+            object=head.name, end=CLOSE, count=15, slider=slider, clearance=clearance,
+        )  # fmt: skip
+    lids = np.flatnonzero(np.linalg.norm(skin.expressions[CLOSE], axis=1) > 0)
+
+    def depth(values):
+        return radius - np.linalg.norm(shown(head, values)[lids] - centre, axis=1).min()
+
+    ends = max(depth({}), depth({CLOSE: 1.0}))
+    deepest = {
+        way: float(max(depth({name: t}) for t in MEASURED) * MILLIMETRES)
+        for way, name in {"straight": CLOSE, "plain": "plain", "clear": "clear"}.items()
+    }
+    shift = points + centre
+    rows = [
+        [
+            Tile([_moved(ball, shift), at(head, {name: t})], f"{label}, {100 * t:.0f} %", *NEAR_EYE, turn=-40)
+            for t in STEPS
+        ]
+        for label, name in (("straight line", CLOSE), ("Lissom", "clear"))
+    ]
+    studio.sheet(rows, picture, aspect=0.8)
+    return {"deepest_mm": deepest, "ends_mm": float(ends * MILLIMETRES), "radius_mm": radius * MILLIMETRES}
+
+
+def _moved(obj, vertices):
+    mesh = obj.data.copy()
+    mesh.vertices.foreach_set("co", vertices.astype(np.float32).ravel())
+    mesh.update()
+    return mesh
+
+
+def _best_sphere(points):
+    """Centre and radius by linear least squares: |p|^2 = 2 c p + (r^2 - |c|^2)."""
+    system = np.column_stack([2 * points, np.ones(len(points))])
+    solution = np.linalg.lstsq(system, (points**2).sum(axis=1), rcond=None)[0]
+    return solution[:3], float(np.sqrt(solution[3] + solution[:3] @ solution[:3]))
 
 
 # The bars: slender, square, and twisted by more than half a turn.

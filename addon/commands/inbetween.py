@@ -5,6 +5,7 @@ import pathlib
 import time
 
 import bpy
+import lissom
 
 from ..bridge import arcs, checks, sheet
 from ..core.easing import EASINGS
@@ -108,7 +109,8 @@ def _bake(obj, end, arguments):
         settings["count"] = arguments.count
     started = time.perf_counter()
     try:
-        bpy.ops.lissom.inbetween_bake(object=obj.name, **settings)
+        if bpy.ops.lissom.inbetween_bake(object=obj.name, **settings) != {"FINISHED"}:
+            raise lissom.Cancelled(f"'{end}': cancelled")
     except RuntimeError as error:  # a report of the operator
         _failed(f"'{end}': {error}")
         return settings | {"error": str(error).removeprefix("Error: ").strip()}

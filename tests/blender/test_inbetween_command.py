@@ -1,14 +1,15 @@
 """``blender --command lissom inbetween``: the command itself, on files."""
 
-import argparse
 import json
 
 import bpy
+import lissom
 import numpy as np
 import pytest
 import scene
+from bl_ext.user_default.lissom import commands
 from bl_ext.user_default.lissom.bridge import sheet
-from bl_ext.user_default.lissom.commands import inbetween
+from bl_ext.user_default.lissom.core.work import Work
 from numpy.testing import assert_allclose
 from test_inbetween import keyed_tube, native_path, slide
 
@@ -24,9 +25,7 @@ def file(tmp_path):
 
 
 def command(*words):
-    parser = argparse.ArgumentParser()
-    inbetween.configure(parser)
-    return inbetween.run(parser.parse_args([str(word) for word in words]))
+    return commands.main(["inbetween", *(str(word) for word in words)])
 
 
 def test_it_bakes_what_the_panel_bakes_and_reports_it(file, tmp_path):
@@ -76,6 +75,23 @@ def test_bad_input_writes_no_file_and_ends_with_2(file, tmp_path, capfd, words, 
     asked = ("--file", file, "--object", "Tube", "--end", "full", "--out", out)
     assert command(*asked, *words) == 2
     assert message in capfd.readouterr().out
+    assert not out.exists()
+
+
+def test_words_that_make_no_command_end_with_2(capfd):
+    for words in ([], ["none"], ["inbetween", "--file", "x"], ["inbetween", "--count", "many"]):
+        assert commands.main(words) == 2
+    assert commands.main(["--help"]) == 0
+    assert "bake the arc" in capfd.readouterr().out
+
+
+def test_row_40_a_cancelled_bake_writes_nothing_and_ends_with_130(file, tmp_path, monkeypatch):
+    def cancelled(work):
+        raise lissom.Cancelled("cancelled")
+
+    monkeypatch.setattr(Work, "wait", cancelled)
+    out = tmp_path / "out.blend"
+    assert command("--file", file, "--object", "Tube", "--end", "full", "--out", out) == 130
     assert not out.exists()
 
 
