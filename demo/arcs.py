@@ -17,7 +17,7 @@ STEPS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 LID_TURN, LID_TOLERANCE = 100.0, 0.002  # degrees; in radii of the ball, which is 1
 OPEN, CLOSE = "jawOpen", "eyeBlink_L"
-NEAR_EYE = (-0.36, 0.38), 0.5  # centre and height of the picture
+NEAR_EYE = (-0.31, 0.36), 0.42  # centre and height of the picture
 CHIN = 8  # of the 68 landmarks
 TURNS = (0.5, 1.5, 2.5)
 ROTATIONS = ("relative", "consistent", "shortest")
@@ -180,8 +180,9 @@ def blink(face, made, into, studio, picture):
     scene.add_keys(head, skin.neutral, {CLOSE: skin.expressions[CLOSE]})
     eye = face.only("eyeball_left")
     centre, radius = _best_sphere(eye.neutral)
-    points, faces = _sphere(radius)
+    points, faces = _sphere(radius, 160, 80)
     ball = _mesh_object("Eyeball", points, faces, scene.eye(), into, (28.0, 0, 0))
+    scene.set_gaze(ball.data, np.degrees(np.arccos(-points[:, 1] / radius)) / scene.IRIS_ANGLE)
     ball.location += Vector(centre)
     bpy.context.view_layer.update()
     for slider, clearance in (("plain", ""), ("clear", ball.name)):
@@ -189,14 +190,14 @@ def blink(face, made, into, studio, picture):
             bpy.ops.lissom.inbetween_bake,
             object=head.name, end=CLOSE, count=15, slider=slider, clearance=clearance,
         )  # fmt: skip
-    lids = np.flatnonzero(np.linalg.norm(skin.expressions[CLOSE], axis=1) > 0)
+    moved = np.linalg.norm(skin.expressions[CLOSE], axis=1) > 0
 
-    def depth(values):
-        return radius - np.linalg.norm(shown(head, values)[lids] - centre, axis=1).min()
+    def depths(values):
+        return radius - np.linalg.norm(shown(head, values)[moved] - centre, axis=1)
 
-    ends = max(depth({}), depth({CLOSE: 1.0}))
-    deepest = {
-        way: float(max(depth({name: t}) for t in MEASURED) * MILLIMETRES)
+    ends = np.maximum(np.maximum(depths({}), depths({CLOSE: 1.0})), 0.0)
+    deeper = {
+        way: MILLIMETRES * float(max((depths({name: t}) - ends).max() for t in MEASURED))
         for way, name in {"straight": CLOSE, "plain": "plain", "clear": "clear"}.items()
     }
     shift = points + centre
@@ -208,7 +209,7 @@ def blink(face, made, into, studio, picture):
         for label, name in (("straight line", CLOSE), ("Lissom", "clear"))
     ]
     studio.sheet(rows, picture, aspect=0.8)
-    return {"deepest_mm": deepest, "ends_mm": float(ends * MILLIMETRES), "radius_mm": radius * MILLIMETRES}
+    return {"deeper_mm": deeper, "radius_mm": radius * MILLIMETRES}
 
 
 def _moved(obj, vertices):
