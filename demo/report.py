@@ -108,9 +108,9 @@ def _arcs(figures):
     yield "![The chin's path](jaw.png)"
     deeper = blink["deeper_mm"]
     yield (
-        f"eyeBlink_L over the eyeball's best sphere: a vertex sinks in by up to {deeper['straight']:.2f} mm more "
-        f"than at the deeper of its ends on the straight line, by {deeper['plain']:.2f} mm on the arc, by "
-        f"{deeper['clear']:.2f} mm with clearance."
+        "eyeBlink_L over the eyeball's best sphere: a vertex sinks in by up to "
+        f"{deeper['straight']:.2f} mm more than at the deeper of its ends on the straight line, by "
+        f"{deeper['plain']:.2f} mm on the arc, by {deeper['clear']:.2f} mm with clearance."
     )
     yield "![A blink](blink.png)"
     for rotation, rows in figures["twist"].items():

@@ -32,7 +32,7 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
             column.prop(settings, "end", icon="SHAPEKEY_DATA")
         else:
             draw_lines(column, "INFO", "This mesh has no shape keys yet")
-        column.row().prop(settings, "sampling", expand=True)
+        column.prop(settings, "sampling")
         column.prop(settings, "tolerance" if settings.sampling == "TOLERANCE" else "count")
         for name in PathSettings.__annotations__:
             column.prop(settings, name)
