@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import ghost, live, rebind
+from . import commands, ghost, live, rebind
 from .operators import (
     inbetween_arcs,
     inbetween_bake,
@@ -44,9 +44,11 @@ def register():
         module.register()
     live.register()
     ghost.register()
+    commands.register()
 
 
 def unregister():
+    commands.unregister()
     ghost.unregister()
     rebind.unregister()
     live.unregister()

@@ -20,6 +20,7 @@ def page(figures):
         *_remeshed(figures["remeshed"]),
         *_suzanne(figures["suzanne"]),
         *_inbetween(figures["inbetween"]),
+        *_arcs(figures["arcs"]),
     ]
     return "\n\n".join(sections) + "\n"
 
@@ -88,6 +89,34 @@ def _transfer(figures):
         f"Linked by {figures['markers']} marker pairs. Fit: {figures['fit_seconds']:.1f} s; "
         f"{figures['keys']} keys: {figures['transfer_seconds']:.1f} s."
     )
+
+
+def _arcs(figures):
+    lid, jaw, blink = figures["lid"], figures["jaw"], figures["blink"]
+    yield "## Arcs on known ground"
+    yield (
+        f"A lid that turns by 100 degrees about a ball, {lid['keys']} shape keys: it sinks in by "
+        f"{100 * lid['depth']['straight']:.1f} % of the radius on the straight line, by "
+        f"{100 * lid['depth']['lissom']:.2f} % on the baked arc."
+    )
+    yield "![A lid over a ball](lid.png)"
+    off = jaw["off_circle_mm"]
+    yield (
+        f"jawOpen: the chin is off its best circle by {off['straight']:.2f} mm on the straight line, by "
+        f"{off['lissom']:.2f} mm on the arc."
+    )
+    yield "![The chin's path](jaw.png)"
+    deeper = blink["deeper_mm"]
+    yield (
+        "eyeBlink_L over the eyeball's best sphere: a vertex sinks in by up to "
+        f"{deeper['straight']:.2f} mm more than at the deeper of its ends on the straight line, by "
+        f"{deeper['plain']:.2f} mm on the arc, by {deeper['clear']:.2f} mm with clearance."
+    )
+    yield "![A blink](blink.png)"
+    for rotation, rows in figures["twist"].items():
+        off = ", ".join(f"{row['degrees_off']:.2f} at {row['turns']} turns" for row in rows)
+        yield f"A bar half way to a twist, degrees that its end is off, `{rotation}`: {off}."
+    yield "![Twisted bars](twist.png)"
 
 
 def _inbetween(figures):

@@ -1,6 +1,6 @@
 """The demo: all three jobs on real meshes, in Blender without a window.
 
-    python demo/run.py --out build/demo                 # demo.blend, four pictures, report.md, report.json
+    python demo/run.py --out build/demo                 # demo.blend, pictures, report.md, report.json
     python demo/run.py --out build/demo --publish       # and small copies of the pictures into docs/pictures
 
 It needs the modules bpy and lissom, and drives the extension's own operators, as an artist's script would.
@@ -15,6 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))  # for the extension's package; that of this file is there already
 
+import arcs  # noqa: E402
 import bpy  # noqa: E402
 import face as ict  # noqa: E402
 import inbetween  # noqa: E402
@@ -29,7 +30,8 @@ from studio import SAMPLES, Studio, publish  # noqa: E402
 
 import addon  # noqa: E402
 
-PICTURES = ("pose", "remeshed", "suzanne", "inbetween")
+ARCS = ("lid", "jaw", "blink", "twist")
+PICTURES = ("pose", "remeshed", "suzanne", "inbetween", *ARCS)
 
 
 def main(arguments):
@@ -51,6 +53,7 @@ def main(arguments):
     figures["remeshed"] = remeshed.run(face, obj, made, studio, folder, pictures["remeshed"])
     figures["suzanne"] = suzanne.run(face, obj, given, made, studio, pictures["suzanne"])
     figures["inbetween"] = inbetween.run(face, given, made, studio, pictures["inbetween"])
+    figures["arcs"] = arcs.run(face, given, made, studio, pictures)
     figures["picture_seconds"] = studio.seconds
     studio.close()
 

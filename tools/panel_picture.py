@@ -21,6 +21,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "demo")]
 import addon_utils  # noqa: E402
 import bpy  # noqa: E402
 import face as ict  # noqa: E402
+import numpy as np  # noqa: E402
 import pose  # noqa: E402
 import scene  # noqa: E402
 import source  # noqa: E402
@@ -66,6 +67,23 @@ def posed():
     bpy.context.view_layer.objects.active = bust
 
 
+def bent():
+    """A tube with an arc baked to a bend, and its ghost on."""
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=48, y_subdivisions=60, size=1.0)
+    tube = bpy.context.object
+    around, along, _ = scene.vertices(tube).T
+    rolled = [0.5 * np.cos(2 * np.pi * around), 0.5 * np.sin(2 * np.pi * around), 3.0 * along]
+    tube.data.vertices.foreach_set("co", np.stack(rolled, axis=1).astype(np.float32).ravel())
+    rest = scene.vertices(tube)
+    x, y, z = rest.T
+    turn, centre = z + 1.5, 1.0
+    shape = [centre - (centre - x) * np.cos(turn), y, (centre - x) * np.sin(turn) - 1.5]
+    scene.add_keys(tube, rest, {"bent": np.stack(shape, axis=1) - rest})
+    scene.run(bpy.ops.lissom.inbetween_bake, object=tube.name, end="bent", sampling="TOLERANCE")
+    tube.lissom_inbetween.end = "bent"
+    tube.lissom_inbetween.ghost = True
+
+
 def arrange():
     """The sidebar on our tab, both heads from the front."""
     area = next(area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "VIEW_3D")
@@ -90,7 +108,7 @@ def stage():
     yield SETTLE
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
-    posed() if sys.argv[-1] == "pose" else transferred()
+    {"pose": posed, "inbetween": bent}.get(sys.argv[-1], transferred)()
     yield from arrange()
     print("ready", flush=True)
 

@@ -12,6 +12,7 @@ the evaluation time through them; Blender goes straight from key to key by itsel
 
 from dataclasses import fields
 
+import bpy
 import numpy as np
 
 from ..core import easing, hat, names, space
@@ -63,16 +64,45 @@ class Ends:
         self.first, self.last = shape_keys.seen(start), shape_keys.seen(end)
         if end.relative_key == start:  # then the end is seen on top of the start
             self.last = self.first + (shape_keys.shape(end) - shape_keys.shape(start))
+        self._obstacle = obstacle(obj, asked.clearance, self.names) if asked.clearance else None
 
     def path(self, asked):
         """Work whose result is core.inbetween.Sampled, in solve space."""
         linear = self.mesh.linear
         ends = space.into(linear, self.first), space.into(linear, self.last)
-        return path_work(self.mesh.geometry(), *ends, asked)
+        return path_work(self.mesh.geometry(), *ends, asked, self._obstacle)
 
     def back(self, shapes):
         """Shapes of that path, in the object's coordinates."""
         return [space.back(self.mesh.linear, shape) for shape in shapes]
+
+
+def obstacle(obj, name, ends):
+    """Another object in the solve space of ``obj``: vertices at the start, triangles, vertices at the end.
+
+    As it is seen now, modifiers included; where it has shape keys named as the ends, as these show it.
+    """
+    other = checks.mesh_object(name, bpy.context)
+    if other == obj:
+        raise Refused("Clearance names the mesh itself: choose another object")
+    to_world = np.array(other.matrix_world, dtype=np.float64)
+    keys = other.data.shape_keys
+    own = [key for key in ends if keys and key in keys.key_blocks]
+    if own:
+        faces = meshes.triangles(other.data)
+        shapes = [
+            shape_keys.seen(keys.key_blocks[key]) if key in own else meshes.rest_positions(other.data)
+            for key in ends
+        ]
+    else:
+        graph = bpy.context.evaluated_depsgraph_get()
+        mesh = bpy.data.meshes.new_from_object(other.evaluated_get(graph), depsgraph=graph)
+        faces, seen = meshes.triangles(mesh), meshes.positions(mesh.vertices)
+        bpy.data.meshes.remove(mesh)
+        shapes = [seen, seen]
+    linear, offset = to_world[:3, :3], to_world[:3, 3] - np.array(obj.matrix_world.translation)
+    first_shape, last_shape = (space.into(linear, shape) + offset for shape in shapes)
+    return first_shape, space.outward(linear, faces), last_shape
 
 
 class Baking:
@@ -185,6 +215,17 @@ def require(obj):
     reason = refusal(obj)
     if reason:
         raise Refused(reason)
+
+
+def played(obj, slider, times):
+    """(t, n, 3): what an arc shows at times on it, without easing and without the other keys' part."""
+    arc = find(obj, slider)
+    ends = Ends(obj, arc)
+    keys = np.stack([shape_keys.shape(shape_keys.find(obj, key.name)) for key in arc.keys])
+    if arc.playback != "ABSOLUTE":
+        keys = np.concatenate([ends.mesh.vertices[None], keys]) - (ends.mesh.vertices - ends.first)
+    knots = np.union1d([0.0], [key.time for key in arc.keys])
+    return np.tensordot(hat.weights(knots, times), keys, axes=1)
 
 
 def remove(obj, slider):

@@ -10,6 +10,7 @@ from . import hat
 from .work import Work
 
 MAX_COUNT = 100  # in-betweens
+OPTIONS = ("rotation", "stretch", "refinement", "preserve_volume")
 
 
 @dataclass
@@ -24,6 +25,10 @@ class Asked:
     count: int = 5
     tolerance: float = 0.001  # in scene units
     rotation: str = "consistent"
+    stretch: str = "linear"
+    refinement: int = 0
+    preserve_volume: bool = False
+    clearance: str = ""  # a mesh object
     easing: str = "LINEAR"
     playback: str = "RELATIVE"
     reroute: bool = True
@@ -31,13 +36,15 @@ class Asked:
 
     @property
     def options(self):
-        """Those of lissom.Inbetween."""
-        return {"rotation": self.rotation}
+        """Those of lissom.Inbetween but the obstacle."""
+        return {name: getattr(self, name) for name in OPTIONS}
 
     def knots(self, path):
         """The times of the keys of a lissom.Inbetween, (k,) with 0 and 1 among them."""
         if self.sampling == "COUNT":
             return hat.uniform_knots(self.count)
+        if self.sampling == "PLACED":
+            return path.keyframes(count=self.count + 2)
         return path.keyframes(self.tolerance, MAX_COUNT + 2)
 
 
@@ -50,11 +57,18 @@ class Sampled:
     warnings: list
 
 
-def path_work(mesh, start, end, asked):
-    """Work whose result is Sampled; ``mesh``: vertices, triangles; ``start`` and ``end``: (n, 3)."""
+def path_work(mesh, start, end, asked, obstacle=None):
+    """Work whose result is Sampled; ``mesh``: vertices, triangles; ``start`` and ``end``: (n, 3).
+
+    ``obstacle``: what the path keeps out of, as vertices at the start, triangles, vertices at the end.
+    """
 
     def steps():
-        path = yield lissom.start_inbetween(lissom.Mesh(*mesh), start, end, **asked.options)
+        options = asked.options
+        if obstacle is not None:
+            vertices, triangles, last = obstacle
+            options |= {"clearance": lissom.Mesh(vertices, triangles), "clearance_end": last}
+        path = yield lissom.start_inbetween(lissom.Mesh(*mesh), start, end, **options)
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
             knots = np.asarray(asked.knots(path))

@@ -4,7 +4,7 @@ import bpy
 from bpy.props import BoolProperty, StringProperty
 
 from ..bridge import arcs, checks
-from ..properties.inbetween import ArcSettings
+from ..properties.inbetween import ArcSettings, PathSettings
 from ..properties.transfer import exists_property
 from .job import JobOperator, allowed, shown_object
 from .pose_handles import OBJECT
@@ -26,7 +26,7 @@ class BakeOperator(JobOperator):
         self.report({"INFO"}, f"{count} shape keys under the slider '{self._baking.slider}'")
 
 
-class LISSOM_OT_inbetween_bake(BakeOperator, ArcSettings, bpy.types.Operator):
+class LISSOM_OT_inbetween_bake(BakeOperator, PathSettings, ArcSettings, bpy.types.Operator):
     """Bake the arc between two shape keys as shape keys under one slider"""
 
     bl_idname = "lissom.inbetween_bake"

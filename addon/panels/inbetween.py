@@ -4,7 +4,7 @@ import bpy
 
 from .. import ghost
 from ..bridge import arcs, checks, sliders
-from ..properties.inbetween import ArcSettings
+from ..properties.inbetween import SETTINGS, PathSettings
 from .common import Sidebar, draw_lines, draw_progress, split_column
 
 
@@ -32,9 +32,10 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
             column.prop(settings, "end", icon="SHAPEKEY_DATA")
         else:
             draw_lines(column, "INFO", "This mesh has no shape keys yet")
-        column.row().prop(settings, "sampling", expand=True)
+        column.prop(settings, "sampling")
         column.prop(settings, "tolerance" if settings.sampling == "TOLERANCE" else "count")
-        column.prop(settings, "rotation")
+        for name in PathSettings.__annotations__:
+            column.prop(settings, name)
         column.prop(settings, "easing")
         column.prop(settings, "playback")
         column.prop(settings, "slider", placeholder=f"{settings.end} arc" if settings.end else "")
@@ -47,7 +48,7 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
         row.scale_y = 1.4
         bake = row.operator("lissom.inbetween_bake", icon="IPO_EASE_IN_OUT")
         bake.object = obj.name
-        for name in ("start", "end", "slider", *ArcSettings.__annotations__):
+        for name in ("start", "end", "slider", *SETTINGS):
             setattr(bake, name, getattr(settings, name))
         reason = arcs.refusal(obj)
         if reason:

@@ -24,10 +24,21 @@ ROTATION_ITEMS = [
         0,
     ),
     ("shortest", "Shortest", "Every face turns the short way by itself; for turns below half a turn", 1),
+    (
+        "relative",
+        "Relative",
+        "The turns between neighbouring faces are spread: for several turns along a part",
+        2,
+    ),
+]
+STRETCH_ITEMS = [
+    ("linear", "Even", "Lengths grow by the same amount in every step", 0),
+    ("logarithmic", "By Factors", "Lengths grow by the same factor in every step", 1),
 ]
 SAMPLING_ITEMS = [
-    ("COUNT", "Count", "So many in-betweens, evenly spaced in time", 0),
+    ("COUNT", "Even", "So many in-betweens, evenly spaced in time", 0),
     ("TOLERANCE", "Tolerance", "As few as keep every vertex within a distance of the arc", 1),
+    ("PLACED", "Placed", "So many in-betweens, placed where they follow the arc best", 2),
 ]
 PLAYBACK_ITEMS = [
     ("RELATIVE", "Relative Keys", "The slider drives the baked keys; other keys add to them", 0),
@@ -40,19 +51,63 @@ PLAYBACK_ITEMS = [
 ]
 
 
-def rotation_property(**also):
-    """The option of the same name of lissom.Inbetween."""
-    return EnumProperty(
-        name="Rotation",
-        description="How the turn of every face is chosen",
-        items=ROTATION_ITEMS,
-        default="consistent",
-        **also,
-    )
+def _obstacles(settings, context, text):
+    own = settings.id_data if isinstance(settings.id_data, bpy.types.Object) else None
+    return [obj.name for obj in bpy.data.objects if obj.type == "MESH" and obj != own]
+
+
+def path_properties(**also):
+    """{name: property} of the options of lissom.Inbetween."""
+    return {
+        "rotation": EnumProperty(
+            name="Rotation",
+            description="How the turn of every face is chosen",
+            items=ROTATION_ITEMS,
+            default="consistent",
+            **also,
+        ),
+        "stretch": EnumProperty(
+            name="Stretch",
+            description="How faces grow and shrink along the arc",
+            items=STRETCH_ITEMS,
+            default="linear",
+            **also,
+        ),
+        "refinement": IntProperty(
+            name="Refinement",
+            description="Rounds in which turns are fitted to the shapes that came out: more keeps lengths "
+            "better, and takes longer",
+            default=0,
+            min=0,
+            soft_max=20,
+            max=1000,
+            **also,
+        ),
+        "preserve_volume": BoolProperty(
+            name="Keep Volume",
+            description="Closed parts change their volume in even steps and lose none between the ends",
+            default=False,
+            **also,
+        ),
+        "clearance": StringProperty(
+            name="Clearance",
+            description="A closed mesh object, as an eyeball under a lid, that the arc enters no deeper than "
+            "its ends do. Where it has keys of their names, it moves by them",
+            search=_obstacles,
+            search_options=set(),
+            **also,
+        ),
+    }
+
+
+class PathSettings:
+    """Mixin: the options of the path."""
+
+    __annotations__ = path_properties()
 
 
 class ArcSettings:
-    """Mixin: what the panel, an operator and a baked arc know of how an arc is made."""
+    """Mixin: how the path becomes keys, and how they are played."""
 
     sampling: EnumProperty(
         name="Keys", description="What decides the number of keys", items=SAMPLING_ITEMS, default="COUNT"
@@ -74,7 +129,6 @@ class ArcSettings:
         precision=4,
         subtype="DISTANCE",
     )
-    rotation: rotation_property()
     easing: EnumProperty(
         name="Easing",
         description="How the slider runs through the arc",
@@ -92,6 +146,9 @@ class ArcSettings:
     )
 
 
+SETTINGS = (*PathSettings.__annotations__, *ArcSettings.__annotations__)
+
+
 class LissomArcKey(bpy.types.PropertyGroup):
     """A baked shape key, by name."""
 
@@ -99,7 +156,7 @@ class LissomArcKey(bpy.types.PropertyGroup):
     time: FloatProperty(name="Time", description="Where on the arc it lies, 0 to 1")
 
 
-class LissomArc(ArcSettings, bpy.types.PropertyGroup):
+class LissomArc(PathSettings, ArcSettings, bpy.types.PropertyGroup):
     """A baked arc; its name is that of the slider."""
 
     name: StringProperty(name="Slider")
@@ -122,7 +179,13 @@ def _changed(settings, _):
         ghost.ask(settings.id_data)
 
 
-class LissomInbetween(ArcSettings, bpy.types.PropertyGroup):
+class _GhostedPathSettings:
+    """Mixin: the options of the path, which a ghost follows."""
+
+    __annotations__ = path_properties(update=_changed)
+
+
+class LissomInbetween(_GhostedPathSettings, ArcSettings, bpy.types.PropertyGroup):
     """Settings of one mesh object."""
 
     start: StringProperty(
@@ -143,7 +206,6 @@ class LissomInbetween(ArcSettings, bpy.types.PropertyGroup):
         name="Slider",
         description="Name of the slider, and of the baked keys. Empty: named after the key it leads to",
     )
-    rotation: rotation_property(update=_changed)
     ghost: BoolProperty(
         name="Ghost",
         description="Draw a few steps of the arc over the mesh while its ends and options are being chosen",

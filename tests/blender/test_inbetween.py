@@ -56,13 +56,22 @@ def assert_plays(obj, slider, path, atol=1e-5):
         assert_allclose(scene.shown(obj), expected, atol=atol)
 
 
-@pytest.mark.parametrize("rotation", ["consistent", "shortest"])
-def test_the_slider_plays_the_path_from_the_basis(rotation):
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"rotation": "consistent"},
+        {"rotation": "shortest"},
+        {"rotation": "relative"},
+        {"stretch": "logarithmic"},
+        {"refinement": 2},
+        {"preserve_volume": True},
+    ],
+    ids=str,
+)
+def test_the_slider_plays_the_path_from_the_basis(options):
     obj = keyed_tube()
-    path = native_path(obj, "Basis", "full", rotation=rotation)
-    assert bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=COUNT, rotation=rotation) == {
-        "FINISHED"
-    }
+    path = native_path(obj, "Basis", "full", **options)
+    assert bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=COUNT, **options) == {"FINISHED"}
     assert_plays(obj, "full arc", path)
 
 

@@ -368,3 +368,15 @@ def test_a_saved_arc_plays_bakes_again_and_goes(tmp_path, playback):
     obj.data.shape_keys.key_blocks["full"].value = 0.0
     del obj["control"]
     assert scene.snapshot() == before
+
+
+def test_placed_keys_follow_the_path_better_than_even_ones():
+    obj = keyed_tube()
+    full = obj.data.shape_keys.key_blocks["full"]
+    stretched = (scene.points(full.data) * [1, 1, 1.5]).astype(np.float32)
+    full.data.foreach_set("co", stretched.ravel())
+    path = native_path(obj, "Basis", "full")
+    bake(count=4, sampling="PLACED")
+    assert len(knots(obj)) == 6
+    assert_allclose(knots(obj), path.keyframes(count=6), atol=1e-6)
+    assert_plays_at_knots(obj, path)

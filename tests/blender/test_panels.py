@@ -8,7 +8,7 @@ import scene
 from bl_ext.user_default.lissom import session
 from bl_ext.user_default.lissom.core.pose_options import METHODS, by_name, options_of
 from bl_ext.user_default.lissom.core.work import Work
-from bl_ext.user_default.lissom.properties.inbetween import ArcSettings
+from bl_ext.user_default.lissom.properties.inbetween import SETTINGS
 
 FUNCTIONS = bpy.types.UILayout.bl_rna.functions
 ICONS = {item.identifier for item in FUNCTIONS["label"].parameters["icon"].enum_items}
@@ -241,7 +241,7 @@ def test_rows_of_markers_and_keys():
     assert "lissom.marker_load" in draw(bpy.types.LISSOM_MT_markers)["operators"]
 
 
-ARC = ("start", "end", "slider", *ArcSettings.__annotations__)
+ARC = ("start", "end", "slider", *SETTINGS)
 
 
 def test_inbetween_passes_its_settings_on_and_shows_sliders(panels):

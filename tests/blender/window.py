@@ -261,6 +261,96 @@ def check_operators_are_undone_in_one_step():
     yield
 
 
+def bent(obj, name, angle):
+    """A key: the tube bent about the y axis."""
+    x, y, z = scene.points(obj.data.vertices).T
+    turn, centre = angle * (z + 3) / 6, 6 / angle
+    shape = [centre - (centre - x) * np.cos(turn), y, (centre - x) * np.sin(turn) - 3]
+    return scene.add_key(obj, name, np.stack(shape, axis=1))
+
+
+def arc_state(obj):
+    """All that baking an arc changes."""
+    keys, drivers = obj.data.shape_keys, []
+    for block in (obj, keys):
+        if block.animation_data:
+            drivers += [
+                (curve.data_path, len(curve.keyframe_points)) for curve in block.animation_data.drivers
+            ]
+    return (
+        [(key.name, round(key.value, 6)) for key in keys.key_blocks],
+        keys.use_relative,
+        sorted(drivers),
+        [(arc.name, arc.end, arc.easing, len(arc.keys)) for arc in obj.lissom_inbetween.arcs],
+        {name: obj[name] for name in ("full arc", "bend") if name in obj},
+    )
+
+
+def check_arcs_are_baked_renamed_baked_again_and_removed_each_in_one_undo():
+    new_file()
+    obj = scene.tube()
+    bent(obj, "half", 0.8)
+    full = bent(obj, "full", 2.4)
+    full.driver_add("value").driver.expression = "0.5"
+    steps = (
+        ("bake", {"end": "full", "count": 3, "easing": "SMOOTH"}),
+        ("rename", {"slider": "full arc", "name": "bend"}),
+        ("bake", {"end": "full", "slider": "bend", "playback": "ABSOLUTE"}),
+        ("rebake", {"slider": "bend"}),
+        ("remove", {"slider": "bend"}),
+    )
+    bpy.context.view_layer.update()
+    push("keyed")
+    states = [arc_state(obj)]
+    for action, settings in steps:
+        with window():
+            operator = getattr(bpy.ops.lissom, f"inbetween_{action}")
+            assert operator("EXEC_DEFAULT", True, object="Tube", **settings) == {"FINISHED"}
+        yield
+        states.append(arc_state(bpy.data.objects["Tube"]))
+    assert states[0] == states[-1]
+    assert len({repr(state) for state in states}) == 4  # baking again with nothing changed changes nothing
+    for action, order in (("undo", (4, 3, 2, 1, 0)), ("redo", (1, 2, 3, 4, 5)), ("undo", (4, 3))):
+        for place in order:
+            with window():
+                getattr(bpy.ops.ed, action)()
+            yield
+            assert arc_state(bpy.data.objects["Tube"]) == states[place], (action, place)
+
+
+def check_a_bake_runs_beside_blender_and_row_40_is_cancelled():
+    new_file()
+    obj = scene.tube(rings=300, around=150)
+    bent(obj, "full", 2.4)
+    before = arc_state(obj)
+    push("keyed")
+    for cancel in (True, False):
+        with window():
+            asked = {"object": "Tube", "end": "full", "count": 20}
+            assert bpy.ops.lissom.inbetween_bake("INVOKE_DEFAULT", **asked) == {"RUNNING_MODAL"}
+        ticks = 0
+        while session.work is not None:
+            ticks += 1
+            if cancel and ticks == 2:
+                session.work.cancel()
+            yield
+        assert (arc_state(obj) == before) == cancel
+    assert len(obj.lissom_inbetween.arcs["full arc"].keys) == 21
+
+
+def check_the_ghost_is_computed_beside_blender_and_goes_with_its_toggle():
+    new_file()
+    obj = scene.tube()
+    bent(obj, "full", 2.4)
+    obj.lissom_inbetween.end = "full"
+    obj.lissom_inbetween.ghost = True
+    assert not ghost.of(obj).steps
+    yield from until(lambda: len(ghost.of(obj).steps) == ghost.STEPS)
+    yield from until(lambda: ghost.of(obj)._batches is not None)  # it was drawn
+    obj.lissom_inbetween.ghost = False
+    assert ghost.of(obj) is None
+
+
 def start_long_job():
     """Leaves a modal operator running on a mesh that takes seconds."""
     new_file()
@@ -373,5 +463,5 @@ def step():
 
 package = addon_utils.enable("bl_ext.user_default.lissom", default_set=False)
 assert package is not None, "install the extension first"
-session = package.session
+session, ghost = package.session, package.ghost
 bpy.app.timers.register(step, first_interval=1.0, persistent=True)

@@ -1,0 +1,44 @@
+"""``blender --command lissom ...``: a command is a module with SUMMARY, configure(parser) and run(arguments).
+
+Exit codes: 0 done, 2 bad input, 3 partly done, 130 cancelled.
+"""
+
+import argparse
+
+import bpy
+import lissom
+
+from . import inbetween
+
+COMMANDS = {"inbetween": inbetween}
+BAD_INPUT, CANCELLED = 2, 130
+
+_handle = None
+
+
+def main(words):
+    """Runs one command line, without "lissom" itself; returns the exit code."""
+    parser = argparse.ArgumentParser(prog="blender --command lissom", description="Lissom, without a window")
+    commands = parser.add_subparsers(dest="command", required=True)
+    for name, module in COMMANDS.items():
+        module.configure(commands.add_parser(name, help=module.SUMMARY, description=module.SUMMARY))
+    try:
+        arguments = parser.parse_args(words)
+    except SystemExit as end:  # argparse has said why; --help ends with 0
+        return int(end.code or 0)
+    try:
+        return COMMANDS[arguments.command].run(arguments)
+    except (KeyboardInterrupt, lissom.Cancelled):
+        print("Cancelled")
+        return CANCELLED
+
+
+def register():
+    global _handle
+    _handle = bpy.utils.register_cli_command("lissom", main)
+
+
+def unregister():
+    global _handle
+    bpy.utils.unregister_cli_command(_handle)
+    _handle = None

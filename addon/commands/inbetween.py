@@ -1,0 +1,141 @@
+"""``blender --command lissom inbetween``: bakes arcs in a file, by the operator of the panel."""
+
+import json
+import pathlib
+import time
+
+import bpy
+import lissom
+
+from ..bridge import arcs, checks, sheet
+from ..core.easing import EASINGS
+from ..core.inbetween import MAX_COUNT
+from ..core.refused import Refused
+from ..properties.inbetween import PLAYBACK_ITEMS, ROTATION_ITEMS, STRETCH_ITEMS
+
+SUMMARY = "bake the arc between two shape keys as keys under one slider"
+STEPS = 7  # of the contact sheet
+DONE, BAD_INPUT, PARTLY_DONE = 0, 2, 3
+
+
+def configure(parser):
+    """Adds the command's arguments to an argparse.ArgumentParser."""
+    add = parser.add_argument
+    add("--file", required=True, help="the .blend file to read")
+    add("--object", required=True, help="name of the mesh object")
+    add("--start", default="", help="shape key that arcs start at (default: the Basis)")
+    add("--end", required=True, nargs="+", help="shape keys that arcs lead to, an arc for each")
+    keys = parser.add_mutually_exclusive_group()
+    keys.add_argument("--count", type=int, help=f"in-betweens, 1 to {MAX_COUNT} (default: 5)")
+    keys.add_argument("--tolerance", type=float, help="the fewest keys within this distance, in scene units")
+    add("--rotation", choices=[item[0] for item in ROTATION_ITEMS], default="consistent")
+    add("--stretch", choices=[item[0] for item in STRETCH_ITEMS], default="linear")
+    add("--refinement", type=int, default=0, help="rounds that keep lengths better (default: 0)")
+    add("--preserve-volume", action="store_true", help="closed parts lose no volume between the ends")
+    add("--clearance", default="", help="name of a closed mesh object that arcs keep out of")
+    add("--easing", choices=[name.lower() for name in EASINGS], default="linear")
+    add("--playback", choices=[item[0].lower() for item in PLAYBACK_ITEMS], default="relative")
+    add("--leave-animation", action="store_true", help="leave drivers and animation with the end key")
+    add("--out", required=True, help="the .blend file to write")
+    add("--sheet", help="also write a picture of the arcs beside the straight lines, .png or .jpg")
+    add("--steps", type=int, default=STEPS, help=f"tiles in a row of that picture (default: {STEPS})")
+    add("--turn", type=float, default=30.0, help="degrees by which it looks from the side (default: 30)")
+    add("--report", help="also write what was done as JSON")
+
+
+def run(arguments):
+    """Reads, bakes, writes; returns the exit code."""
+    try:
+        source = _checked(arguments)
+        bpy.ops.wm.open_mainfile(filepath=str(source), load_ui=False)
+        obj = checks.mesh_object(arguments.object, bpy.context)
+    except (Refused, RuntimeError) as error:
+        return _failed(str(error))
+    baked = [_bake(obj, end, arguments) for end in arguments.end]
+    done = [entry for entry in baked if "error" not in entry]
+    try:
+        if done:
+            bpy.ops.wm.save_as_mainfile(filepath=str(pathlib.Path(arguments.out).resolve()), copy=True)
+            if arguments.sheet:
+                _draw(obj, [entry["slider"] for entry in done], arguments)
+        if arguments.report:
+            report = {"file": str(source), "object": obj.name, "arcs": baked}
+            pathlib.Path(arguments.report).write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    except (Refused, RuntimeError, OSError) as error:
+        _failed(str(error))
+        return PARTLY_DONE if done else BAD_INPUT
+    if len(done) == len(baked):
+        return DONE
+    return PARTLY_DONE if done else BAD_INPUT
+
+
+def _checked(arguments):
+    source = pathlib.Path(arguments.file).resolve()
+    if not source.is_file():
+        raise Refused(f"--file: there is no file '{arguments.file}'")
+    for name in ("out", "sheet", "report"):
+        path = getattr(arguments, name)
+        if path and not pathlib.Path(path).resolve().parent.is_dir():
+            raise Refused(f"--{name}: there is no folder for '{path}'")
+    if arguments.sheet:
+        sheet.image_format(arguments.sheet)
+    if not 2 <= arguments.steps <= 50:
+        raise Refused("--steps: choose 2 to 50 tiles")
+    if arguments.count is not None and not 1 <= arguments.count <= MAX_COUNT:
+        raise Refused(f"--count: choose 1 to {MAX_COUNT} in-betweens")
+    if not 0 <= arguments.refinement <= 1000:
+        raise Refused("--refinement: choose 0 to 1000 rounds")
+    if arguments.tolerance is not None and not 0 < arguments.tolerance < float("inf"):
+        raise Refused("--tolerance: choose a distance above 0")
+    return source
+
+
+def _bake(obj, end, arguments):
+    settings = {
+        "start": arguments.start,
+        "end": end,
+        "rotation": arguments.rotation,
+        "stretch": arguments.stretch,
+        "refinement": arguments.refinement,
+        "preserve_volume": arguments.preserve_volume,
+        "clearance": arguments.clearance,
+        "easing": arguments.easing.upper(),
+        "playback": arguments.playback.upper(),
+        "reroute": not arguments.leave_animation,
+    }
+    if arguments.tolerance is not None:
+        settings |= {"sampling": "TOLERANCE", "tolerance": arguments.tolerance}
+    elif arguments.count is not None:
+        settings["count"] = arguments.count
+    started = time.perf_counter()
+    try:
+        if bpy.ops.lissom.inbetween_bake(object=obj.name, **settings) != {"FINISHED"}:
+            raise lissom.Cancelled(f"'{end}': cancelled")
+    except RuntimeError as error:  # a report of the operator
+        _failed(f"'{end}': {error}")
+        return settings | {"error": str(error).removeprefix("Error: ").strip()}
+    arc = obj.lissom_inbetween.arcs[-1]
+    print(f"'{end}': {len(arc.keys)} shape keys under the slider '{arc.name}'")
+    return settings | {
+        "slider": arc.name,
+        "keys": [{"name": key.name, "time": round(key.time, 6)} for key in arc.keys],
+        "warnings": arc.warnings.splitlines(),
+        "seconds": round(time.perf_counter() - started, 3),
+    }
+
+
+def _draw(obj, sliders, arguments):
+    times = [step / (arguments.steps - 1) for step in range(arguments.steps)]
+    rows = []
+    for slider in sliders:
+        shapes = arcs.played(obj, slider, times)
+        lines = [(1 - t) * shapes[0] + t * shapes[-1] for t in times]
+        for label, row in ((slider, shapes), ("straight", lines)):
+            tiles = [(f"{100 * t:.0f} %", shape) for t, shape in zip(times, row, strict=True)]
+            rows.append((label, tiles))
+    sheet.render(obj, rows, arguments.sheet, turn=arguments.turn)
+
+
+def _failed(message):
+    print(f"Error: {message.removeprefix('Error: ').strip()}")
+    return BAD_INPUT
