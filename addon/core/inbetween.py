@@ -1,6 +1,5 @@
 """In-betweens of two shapes: what is asked for, and the path sampled at knots."""
 
-import warnings
 from dataclasses import dataclass, field
 
 import lissom
@@ -39,13 +38,11 @@ class Asked:
         """Those of lissom.Inbetween but the obstacle."""
         return {name: getattr(self, name) for name in OPTIONS}
 
-    def knots(self, path):
-        """The times of the keys of a lissom.Inbetween, (k,) with 0 and 1 among them."""
-        if self.sampling == "COUNT":
-            return hat.uniform_knots(self.count)
+    def start_knots(self, path):
+        """A job that finds the times of the keys of a lissom.Inbetween; None where they are known."""
         if self.sampling == "PLACED":
-            return path.keyframes(count=self.count + 2)
-        return path.keyframes(self.tolerance, MAX_COUNT + 2)
+            return path.start_keyframes(count=self.count + 2)
+        return path.start_keyframes(self.tolerance, MAX_COUNT + 2) if self.sampling == "TOLERANCE" else None
 
 
 @dataclass
@@ -69,10 +66,12 @@ def path_work(mesh, start, end, asked, obstacle=None):
             vertices, triangles, last = obstacle
             options |= {"clearance": lissom.Mesh(vertices, triangles), "clearance_end": last}
         path = yield lissom.start_inbetween(lissom.Mesh(*mesh), start, end, **options)
-        with warnings.catch_warnings(record=True) as said:
-            warnings.simplefilter("always")
-            knots = np.asarray(asked.knots(path))
+        knots, said = hat.uniform_knots(asked.count), []
+        search = asked.start_knots(path)
+        if search is not None:
+            found = yield search
+            knots, said = found.times, found.warnings
         shapes = yield path.start(knots)
-        return Sampled(knots, shapes, [*path.warnings, *(str(warning.message) for warning in said)])
+        return Sampled(knots, shapes, [*path.warnings, *said])
 
     return Work(steps())

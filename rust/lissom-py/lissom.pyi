@@ -182,7 +182,14 @@ class Inbetween:
     def keyframes(
         self, tolerance: float | None = None, max_keys: int = 32, *, count: int | None = None
     ) -> NDArray[np.float64]: ...
+    def start_keyframes(
+        self, tolerance: float | None = None, max_keys: int = 32, *, count: int | None = None
+    ) -> Job: ...
     def start(self, times: ArrayLike) -> Job: ...
+
+class Keyframes:
+    times: NDArray[np.float64]
+    warnings: list[str]
 
 class Blend:
     def __init__(self, mesh: Mesh, start: ArrayLike, shapes: ArrayLike, *, refinement: int = 0) -> None: ...

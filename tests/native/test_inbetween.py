@@ -118,6 +118,17 @@ def playback_error(path, times):
     return worst
 
 
+def test_keyframes_in_the_background_are_the_same():
+    vertices, faces = tube(rows=20, columns=12)
+    end = moved(rigid((1, 0, 0), 1.5), vertices)
+    path = lissom.Inbetween(lissom.Mesh(vertices, faces), vertices, end)
+    for options in ({"tolerance": 0.01}, {"count": 4}):
+        found = path.start_keyframes(**options).result()
+        assert np.array_equal(found.times, path.keyframes(**options)) and found.warnings == []
+    few = path.start_keyframes(1e-9, 3).result()
+    assert len(few.times) == 3 and "3 keys" in few.warnings[0]
+
+
 def test_keyframes_keep_within_tolerance_and_none_can_be_spared():
     start, faces, end = twisted_tube()
     path = lissom.Inbetween(lissom.Mesh(start, faces), start, end)

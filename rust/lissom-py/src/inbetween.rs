@@ -47,6 +47,27 @@ impl PyInbetween {
             Box::new(move |py, poses| arrays::from_poses(py, &poses, n)),
         ))
     }
+
+    fn keyframes_work(
+        &self,
+        py: Python<'_>,
+        tolerance: Option<f64>,
+        max_keys: i64,
+        count: Option<i64>,
+    ) -> PyResult<Work<Keyframes>> {
+        let path = self.path.clone();
+        match (tolerance, count) {
+            (Some(tolerance), None) => {
+                let max_keys = arrays::count(py, "max_keys", max_keys)?;
+                Ok(Box::new(move |job| path.keyframes(tolerance, max_keys, job)))
+            }
+            (None, Some(count)) => {
+                let count = arrays::count(py, "count", count)?;
+                Ok(Box::new(move |job| path.keyframes_by_count(count, job)))
+            }
+            _ => Err(PyTypeError::new_err("keyframes: give either tolerance or count")),
+        }
+    }
 }
 
 /// The options of `Inbetween` as Python gives them, by name.
@@ -193,25 +214,36 @@ impl PyInbetween {
         max_keys: i64,
         count: Option<i64>,
     ) -> PyResult<Py<PyAny>> {
-        let path = self.path.clone();
-        let work: Work<Keyframes> = match (tolerance, count) {
-            (Some(tolerance), None) => {
-                let max_keys = arrays::count(py, "max_keys", max_keys)?;
-                Box::new(move |job| path.keyframes(tolerance, max_keys, job))
-            }
-            (None, Some(count)) => {
-                let count = arrays::count(py, "count", count)?;
-                Box::new(move |job| path.keyframes_by_count(count, job))
-            }
-            _ => return Err(PyTypeError::new_err("keyframes: give either tolerance or count")),
-        };
-        let keys = run_value(py, work)?;
+        let keys = run_value(py, self.keyframes_work(py, tolerance, max_keys, count)?)?;
         for warning in keys.warnings {
             let text = CString::new(warning)?;
             PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), &text, 1)?;
         }
         Ok(numpy::PyArray1::from_vec(py, keys.times).into_any().unbind())
     }
+
+    /// `keyframes` in the background: returns a Job at once, whose result has `times` (k,) and `warnings`.
+    #[pyo3(signature = (tolerance=None, max_keys=32, *, count=None))]
+    fn start_keyframes(
+        &self,
+        py: Python<'_>,
+        tolerance: Option<f64>,
+        max_keys: i64,
+        count: Option<i64>,
+    ) -> PyResult<PyJob> {
+        let convert = |py: Python<'_>, keys: Keyframes| {
+            let times = numpy::PyArray1::from_vec(py, keys.times).into_any().unbind();
+            Ok(Py::new(py, PyKeyframes { times, warnings: keys.warnings })?.into_any())
+        };
+        PyJob::start(self.keyframes_work(py, tolerance, max_keys, count)?, convert)
+    }
+}
+
+/// Times of keys: `times` (k,) in 0-1, and `warnings`, where they do not suffice.
+#[pyclass(name = "Keyframes", module = "lissom", frozen, get_all)]
+pub struct PyKeyframes {
+    times: Py<PyAny>,
+    warnings: Vec<String>,
 }
 
 /// Several shapes of a mesh at once, as rigidly as possible, so that those that turn the same part do not collapse it.

@@ -25,6 +25,7 @@ fn lissom_py(module: &Bound<'_, PyModule>) -> PyResult<()> {
     transfer::register(module)?;
     module.add_class::<inbetween::PyInbetween>()?;
     module.add_class::<inbetween::PyBlend>()?;
+    module.add_class::<inbetween::PyKeyframes>()?;
     module.add_function(wrap_pyfunction!(inbetween::start_inbetween, module)?)?;
     module.add_function(wrap_pyfunction!(job::_panic, module)?)
 }
