@@ -16,6 +16,7 @@ import bpy
 import numpy as np
 
 from ..core import easing, hat, names, space
+from ..core import inbetween as core_inbetween
 from ..core.easing import EASINGS
 from ..core.inbetween import Asked, path_work
 from ..core.refused import Refused, first
@@ -55,7 +56,8 @@ class Ends:
     def __init__(self, obj, asked):
         end = shape_keys.find(obj, asked.end)
         start = shape_keys.find(obj, asked.start) if asked.start else obj.data.shape_keys.reference_key
-        for key in (start, end):
+        stops = [(shape_keys.find(obj, name), time) for name, time in core_inbetween.stops(asked.through)]
+        for key in (start, end, *(key for key, _ in stops)):
             shape_keys.refuse_preview(key)
         if start == end:
             raise Refused("From and To are the same shape key: choose two")
@@ -64,13 +66,18 @@ class Ends:
         self.first, self.last = shape_keys.seen(start), shape_keys.seen(end)
         if end.relative_key == start:  # then the end is seen on top of the start
             self.last = self.first + (shape_keys.shape(end) - shape_keys.shape(start))
+        own = [key.name for key, _ in stops if key in (start, end)]
+        if own:
+            raise Refused(f"Through: '{own[0]}' is an end of the arc")
+        self.stops = [(time, shape_keys.seen(key)) for key, time in stops]
         self._obstacle = obstacle(obj, asked.clearance, self.names) if asked.clearance else None
 
     def path(self, asked):
         """Work whose result is core.inbetween.Sampled, in solve space."""
         linear = self.mesh.linear
         ends = space.into(linear, self.first), space.into(linear, self.last)
-        return path_work(self.mesh.geometry(), *ends, asked, self._obstacle)
+        stops = [(time, space.into(linear, shape)) for time, shape in self.stops]
+        return path_work(self.mesh.geometry(), *ends, asked, self._obstacle, stops)
 
     def back(self, shapes):
         """Shapes of that path, in the object's coordinates."""

@@ -32,6 +32,7 @@ def configure(parser):
     add("--stretch", choices=[item[0] for item in STRETCH_ITEMS], default="linear")
     add("--refinement", type=int, default=0, help="rounds that keep lengths better (default: 0)")
     add("--preserve-volume", action="store_true", help="closed parts lose no volume between the ends")
+    add("--through", default="", help="keys that arcs hit on their way, as 'half: 0.5, wide: 0.8'")
     add("--clearance", default="", help="name of a closed mesh object that arcs keep out of")
     add("--easing", choices=[name.lower() for name in EASINGS], default="linear")
     add("--playback", choices=[item[0].lower() for item in PLAYBACK_ITEMS], default="relative")
@@ -98,6 +99,7 @@ def _bake(obj, end, arguments):
         "stretch": arguments.stretch,
         "refinement": arguments.refinement,
         "preserve_volume": arguments.preserve_volume,
+        "through": arguments.through,
         "clearance": arguments.clearance,
         "easing": arguments.easing.upper(),
         "playback": arguments.playback.upper(),

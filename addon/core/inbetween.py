@@ -1,11 +1,13 @@
 """In-betweens of two shapes: what is asked for, and the path sampled at knots."""
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import lissom
 import numpy as np
 
 from . import hat
+from .refused import Refused
 from .work import Work
 
 MAX_COUNT = 100  # in-betweens
@@ -27,6 +29,7 @@ class Asked:
     stretch: str = "linear"
     refinement: int = 0
     preserve_volume: bool = False
+    through: str = ""  # as stops() reads it
     clearance: str = ""  # a mesh object
     easing: str = "LINEAR"
     playback: str = "RELATIVE"
@@ -45,6 +48,25 @@ class Asked:
         return path.start_keyframes(self.tolerance, MAX_COUNT + 2) if self.sampling == "TOLERANCE" else None
 
 
+def stops(text):
+    """[(name, time)] in rising order of "key: time, key: time", what an arc goes through on its way."""
+    found = []
+    for part in filter(None, (part.strip() for part in text.split(","))):
+        name, colon, time = part.rpartition(":")
+        try:
+            time = float(time)
+        except ValueError:
+            colon = ""
+        if not (colon and name.strip() and 0 < time < 1):
+            raise Refused(f"Through: '{part}' is not a shape key and a time between 0 and 1, as 'half: 0.5'")
+        found.append((name.strip(), time))
+    found.sort(key=lambda stop: stop[1])
+    again = [name for (name, time), (_, other) in pairwise(found) if time == other]
+    if again:
+        raise Refused(f"Through: '{again[0]}' and another key have the same time")
+    return found
+
+
 @dataclass
 class Sampled:
     """A path at its knots."""
@@ -54,19 +76,21 @@ class Sampled:
     warnings: list
 
 
-def path_work(mesh, start, end, asked, obstacle=None):
+def path_work(mesh, start, end, asked, obstacle=None, through=()):
     """Work whose result is Sampled; ``mesh``: vertices, triangles; ``start`` and ``end``: (n, 3).
 
-    ``obstacle``: what the path keeps out of, as vertices at the start, triangles, vertices at the end.
+    ``through``: [(time, (n, 3))]. ``obstacle``: what the path keeps out of, as vertices at the start, triangles, vertices at the end.
     """
 
     def steps():
-        options = asked.options
+        options = asked.options | {"through": list(through)}
         if obstacle is not None:
             vertices, triangles, last = obstacle
-            options |= {"clearance": lissom.Mesh(vertices, triangles), "clearance_end": last}
+            options |= {"clearance": lissom.Mesh(vertices, triangles)}
+            if not np.array_equal(vertices, last):
+                options |= {"clearance_end": last}
         path = yield lissom.start_inbetween(lissom.Mesh(*mesh), start, end, **options)
-        knots, said = hat.uniform_knots(asked.count), []
+        knots, said = np.union1d(hat.uniform_knots(asked.count), [time for time, _ in through]), []
         search = asked.start_knots(path)
         if search is not None:
             found = yield search

@@ -89,6 +89,11 @@ def path_properties(**also):
             default=False,
             **also,
         ),
+        "through": StringProperty(
+            name="Through",
+            description="Shape keys that the arc hits on its way, and when: 'half: 0.5, wide: 0.8'",
+            **also,
+        ),
         "clearance": StringProperty(
             name="Clearance",
             description="A closed mesh object, as an eyeball under a lid, that the arc enters no deeper than "

@@ -75,6 +75,25 @@ def test_the_slider_plays_the_path_from_the_basis(options):
     assert_plays(obj, "full arc", path)
 
 
+def test_the_arc_goes_through_other_keys():
+    obj = keyed_tube()
+    rest = scene.key_points(obj, "Basis")
+    scene.add_key(obj, "swerve", bend(rest, 1.6) + [0, 1, 0])
+    bpy.ops.lissom.inbetween_bake(
+        object="Tube", end="full", count=2, through="swerve: 0.6, half: 0.25", slider="way"
+    )
+    for value, name in ((0.25, "half"), (0.6, "swerve"), (1.0, "full")):
+        slide(obj, "way", value)
+        assert_allclose(scene.shown(obj), scene.key_points(obj, name), atol=1e-5)
+    for through, message in (
+        ("full: 0.5", "'full' is an end of the arc"),
+        ("none: 0.5", "has no shape key named 'none'"),
+        ("half: 2", "is not a shape key and a time between 0 and 1"),
+    ):
+        with scene.refused(message):
+            bpy.ops.lissom.inbetween_bake(object="Tube", end="full", through=through)
+
+
 def test_the_slider_plays_the_path_from_another_key():
     obj = keyed_tube()
     path = native_path(obj, "half", "full")

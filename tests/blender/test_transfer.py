@@ -216,7 +216,7 @@ def test_row_36_one_mirrored_end_gets_the_mirrored_key(side):
     errors = [
         np.linalg.norm(found - expected[:, None] * [0, 0, 1]) for found in (plain, deltas(ends[1], "rise"))
     ]
-    assert errors[1] < 1.2 * errors[0], errors
+    assert max(errors) < 1e-3, errors  # all vertices together
 
 
 def test_a_fit_is_used_again_until_something_changes():
