@@ -79,7 +79,8 @@ class Sampled:
 def path_work(mesh, start, end, asked, obstacle=None, through=()):
     """Work whose result is Sampled; ``mesh``: vertices, triangles; ``start`` and ``end``: (n, 3).
 
-    ``through``: [(time, (n, 3))]. ``obstacle``: what the path keeps out of, as vertices at the start, triangles, vertices at the end.
+    ``through``: [(time, (n, 3))]. ``obstacle``: what the path keeps out of, as vertices at the start,
+    triangles, vertices at the end.
     """
 
     def steps():
