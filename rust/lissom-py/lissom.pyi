@@ -127,6 +127,8 @@ def fit_correspondence(
     steps: int = 6,
     rounds: int = 4,
     match_distance: float = 0.02,
+    source_mask: ArrayLike | None = None,
+    target_mask: ArrayLike | None = None,
 ) -> Fit: ...
 def start_fit(
     source: Mesh,
@@ -140,6 +142,8 @@ def start_fit(
     steps: int = 6,
     rounds: int = 4,
     match_distance: float = 0.02,
+    source_mask: ArrayLike | None = None,
+    target_mask: ArrayLike | None = None,
 ) -> Job: ...
 
 class Transferred:

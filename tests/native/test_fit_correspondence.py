@@ -164,3 +164,21 @@ def test_row_11_markers_of_a_seam():
     twins = np.flatnonzero(corners == 90)[:2]
     with pytest.raises(lissom.InvalidConstraint, match=r"source vertex \d+ is marked twice"):
         lissom.fit_correspondence(soup, whole, np.column_stack([twins, [90, 91]]))
+
+
+def test_masked_vertices_match_nothing():
+    vertices, faces = tube(rows=40, columns=24)
+    source, target = lissom.Mesh(vertices, faces), lissom.Mesh(vertices * 2, faces)
+    pairs = np.column_stack([np.arange(0, len(vertices), 50)] * 2)
+    left, right = np.flatnonzero(vertices[:, 0] < 1), np.flatnonzero(vertices[:, 0] > 5)
+    fit = lissom.fit_correspondence(source, target, pairs, source_mask=left, target_mask=right)
+    masked = [np.isin(faces, of).any(axis=1) for of in (left, right)]
+    assert not masked[0][fit.pairs[:, 0]].any() and not masked[1][fit.pairs[:, 1]].any()
+    assert (fit.image_triangles[right] == -1).all()
+    assert not masked[0][fit.image_triangles[fit.image_triangles >= 0]].any()
+    assert (fit.image_triangles[(vertices[:, 0] > 1.5) & (vertices[:, 0] < 4.5)] >= 0).all()
+    for name in ("source_mask", "target_mask"):
+        with pytest.raises(
+            lissom.InvalidConstraint, match=rf"{name}: vertex out of range.*\(at 1; 1 in all\)"
+        ):
+            lissom.fit_correspondence(source, target, pairs, **{name: [0, len(vertices)]})

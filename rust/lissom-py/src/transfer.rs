@@ -87,6 +87,10 @@ fn fit_work(
     Ok(Box::new(move |job| fit(&source, &target, &markers, &options, job)))
 }
 
+fn mask(name: &str, vertices: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<u32>> {
+    vertices.map_or(Ok(Vec::new()), |vertices| arrays::vertex_list(name, vertices))
+}
+
 /// Pulls `source` onto `target` and matches their triangles (Sumner & Popović 2004).
 ///
 /// markers (k, 2): vertex of the source, vertex of the target that belongs to it. points (k, 3): where on the
@@ -94,13 +98,13 @@ fn fit_work(
 /// smoothness, identity, closest: the weights w_S, w_I and the largest w_C of the three terms; w_C rises
 /// from 0 through `steps` weights, with `rounds` rounds of closest points at each. match_distance: how
 /// far the centroid of a triangle may be from the other surface to have a match, as a fraction of the
-/// target's diagonal.
+/// target's diagonal. source_mask, target_mask (k,): vertices that match nothing, as the inside of a mouth.
 ///
 /// Returns a Fit. Raises InvalidConstraint for no markers, indices out of range and vertices marked
 /// twice, InvalidValue for options out of range.
 #[pyfunction]
 #[pyo3(signature = (source, target, markers, points=None, *, smoothness=1.0, identity=0.001, closest=5000.0, steps=6,
-                    rounds=4, match_distance=0.02))]
+                    rounds=4, match_distance=0.02, source_mask=None, target_mask=None))]
 #[expect(clippy::too_many_arguments, reason = "each is an option of the Python function")]
 fn fit_correspondence(
     source: &Bound<'_, PyMesh>,
@@ -113,18 +117,31 @@ fn fit_correspondence(
     steps: i64,
     rounds: i64,
     match_distance: f64,
+    source_mask: Option<&Bound<'_, PyAny>>,
+    target_mask: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Py<PyAny>> {
     let py = source.py();
     let (steps, rounds) = (arrays::count(py, "steps", steps)?, arrays::count(py, "rounds", rounds)?);
     let points = points.map_or(Ok(Vec::new()), |points| arrays::points("points", points))?;
-    let options = FitOptions { smoothness, identity, closest, steps, rounds, points, match_distance };
+    let (source_mask, target_mask) = (mask("source_mask", source_mask)?, mask("target_mask", target_mask)?);
+    let options = FitOptions {
+        smoothness,
+        identity,
+        closest,
+        steps,
+        rounds,
+        points,
+        source_mask,
+        target_mask,
+        match_distance,
+    };
     job::run(source.py(), fit_work(source, target, markers, options)?, fitted)
 }
 
 /// `fit_correspondence` in the background: returns a Job at once.
 #[pyfunction]
 #[pyo3(signature = (source, target, markers, points=None, *, smoothness=1.0, identity=0.001, closest=5000.0, steps=6,
-                    rounds=4, match_distance=0.02))]
+                    rounds=4, match_distance=0.02, source_mask=None, target_mask=None))]
 #[expect(clippy::too_many_arguments, reason = "each is an option of the Python function")]
 fn start_fit(
     source: &Bound<'_, PyMesh>,
@@ -137,11 +154,24 @@ fn start_fit(
     steps: i64,
     rounds: i64,
     match_distance: f64,
+    source_mask: Option<&Bound<'_, PyAny>>,
+    target_mask: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PyJob> {
     let py = source.py();
     let (steps, rounds) = (arrays::count(py, "steps", steps)?, arrays::count(py, "rounds", rounds)?);
     let points = points.map_or(Ok(Vec::new()), |points| arrays::points("points", points))?;
-    let options = FitOptions { smoothness, identity, closest, steps, rounds, points, match_distance };
+    let (source_mask, target_mask) = (mask("source_mask", source_mask)?, mask("target_mask", target_mask)?);
+    let options = FitOptions {
+        smoothness,
+        identity,
+        closest,
+        steps,
+        rounds,
+        points,
+        source_mask,
+        target_mask,
+        match_distance,
+    };
     PyJob::start(fit_work(source, target, markers, options)?, fitted)
 }
 

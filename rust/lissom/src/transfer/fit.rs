@@ -63,6 +63,10 @@ pub struct FitOptions {
     /// Where the source vertex of each marker belongs, in the target's units; empty: on its target vertex. So a
     /// marker may lie anywhere on the target, and its target vertex only names it.
     pub points: Vec<Vec3>,
+    /// Vertices of the source and of the target that match nothing: the inside of a mouth, eye sockets.
+    pub source_mask: Vec<u32>,
+    /// The same on the target.
+    pub target_mask: Vec<u32>,
     /// How far the centroid of a triangle may be from the other surface to be matched there, as a
     /// fraction of the target's diagonal.
     pub match_distance: f64,
@@ -77,6 +81,8 @@ impl Default for FitOptions {
             steps: 6,
             rounds: 4,
             points: Vec::new(),
+            source_mask: Vec::new(),
+            target_mask: Vec::new(),
             match_distance: 0.02,
         }
     }
@@ -187,14 +193,14 @@ pub fn fit_correspondence(
         .collect::<Vec<_>>();
     let points: Vec<Vec3> = options.points.iter().map(|&p| target.frame().to_unit(p)).collect();
     let markers = markers::check(source, target, markers, &points, &mut warnings)?;
+    let onto = Onto::new(source, target, options)?;
     job.report(0.0, "fit");
     job.check()?;
 
-    let surface = Surface::of(target, target.rest());
-    let (x, rounds) = pull(source, target, &markers, options, &surface, job)?;
+    let (x, rounds) = pull(source, target, &markers, options, &onto, job)?;
     job.report(0.9, "match");
     let report = FitReport { rounds, warnings, ..FitReport::default() };
-    let mut fit = conclude(source, target, &x, &surface, options, report, job)?;
+    let mut fit = conclude(source, target, &x, &onto, options, report, job)?;
     fit.report.seconds = start.elapsed().as_secs_f64();
     job.report(1.0, "match");
     Ok(fit)
@@ -206,7 +212,7 @@ fn pull(
     target: &Mesh,
     markers: &[Marker],
     options: &FitOptions,
-    surface: &Surface,
+    onto: &Onto,
     job: &Job,
 ) -> Result<(Vec<Vec3>, usize)> {
     let size = markers::size_ratio(markers);
@@ -236,7 +242,7 @@ fn pull(
     energy.minimise(&energy.factor(&hold)?, &hold, &rest, &mut x);
     carry_unmarked(source, &marked, &mut x);
 
-    let mut look_up = LookUp::new(source, target, surface, options.match_distance);
+    let mut look_up = LookUp::new(source, target, onto, options.match_distance);
     let total = options.steps * options.rounds;
     let mut rounds = 0;
     for weight in options.pulls() {
@@ -293,11 +299,39 @@ fn carry_unmarked(source: &Mesh, marked: &[bool], x: &mut [Vec3]) {
     }
 }
 
+/// The surface to fit onto, and what matches nothing.
+struct Onto {
+    surface: Surface,
+    masked_source: Vec<bool>,
+    masked_target: Vec<bool>,
+    masked_triangles: Vec<bool>,
+}
+
+impl Onto {
+    fn new(source: &Mesh, target: &Mesh, options: &FitOptions) -> Result<Self> {
+        let flags = |name: &str, mesh: &Mesh, mask: &[u32]| {
+            let n = mesh.vertices().len();
+            let outside = (0..mask.len()).filter(|&i| mask[i] as usize >= n);
+            if let Some(fault) = Fault::at(name, format!("vertex out of range, the mesh has {n}"), outside) {
+                return Err(Error::InvalidConstraint(fault));
+            }
+            let mut flags = vec![false; n];
+            mask.iter().for_each(|&v| flags[mesh.representative(v) as usize] = true);
+            Ok(flags)
+        };
+        let masked_source = flags("source_mask", source, &options.source_mask)?;
+        let masked_target = flags("target_mask", target, &options.target_mask)?;
+        let masked_triangles = matching::masked_triangles(target, &masked_target);
+        let surface = Surface::of(target, target.rest());
+        Ok(Self { surface, masked_source, masked_target, masked_triangles })
+    }
+}
+
 /// Looks up closest compatible points, on the partner of each component where it has one.
 struct LookUp<'a> {
     source: &'a Mesh,
     target: &'a Mesh,
-    surface: &'a Surface,
+    onto: &'a Onto,
     component: Vec<u32>,
     partners: Partners,
     /// How much further away the partner may be than the nearest surface.
@@ -305,9 +339,9 @@ struct LookUp<'a> {
 }
 
 impl<'a> LookUp<'a> {
-    fn new(source: &'a Mesh, target: &'a Mesh, surface: &'a Surface, detour: f64) -> Self {
+    fn new(source: &'a Mesh, target: &'a Mesh, onto: &'a Onto, detour: f64) -> Self {
         let partners = Partners::none([source.components().count(), target.components().count()]);
-        Self { source, target, surface, component: triangle_components(target), partners, detour }
+        Self { source, target, onto, component: triangle_components(target), partners, detour }
     }
 
     /// Finds out which components belong together, from the vertices at `x`.
@@ -339,13 +373,20 @@ impl<'a> LookUp<'a> {
             }
         }
         let closest = |v: usize| {
-            let any = self.surface.closest_compatible_point(x[v], normals[v])?;
+            if self.onto.masked_source[v] {
+                return None;
+            }
+            let open = |t: usize| !self.onto.masked_triangles[t];
+            let any = self.onto.surface.closest_compatible_point_on(x[v], normals[v], f64::INFINITY, open)?;
             let partner = self.source.components().of_vertex(v).and_then(|c| self.partners.of_source[c]);
             match partner {
                 Some(partner) if self.component[any.triangle] != partner => {
                     let reach = any.distance + self.detour;
-                    let accept = |t: usize| self.component[t] == partner;
-                    self.surface.closest_compatible_point_on(x[v], normals[v], reach, accept).or(Some(any))
+                    let accept = |t: usize| self.component[t] == partner && open(t);
+                    self.onto
+                        .surface
+                        .closest_compatible_point_on(x[v], normals[v], reach, accept)
+                        .or(Some(any))
                 }
                 _ => Some(any),
             }
@@ -364,13 +405,13 @@ fn conclude(
     source: &Mesh,
     target: &Mesh,
     x: &[Vec3],
-    surface: &Surface,
+    onto: &Onto,
     options: &FitOptions,
     mut report: FitReport,
     job: &Job,
 ) -> Result<Fit> {
     let frame = target.frame();
-    let hits = LookUp::new(source, target, surface, 0.0).closest_points(x, job)?;
+    let hits = LookUp::new(source, target, onto, 0.0).closest_points(x, job)?;
     let distances: Vec<f64> = hits.iter().flatten().map(|h| h.distance).collect();
     let mean = distances.iter().sum::<f64>() / distances.len().max(1) as f64;
     let largest = distances.iter().copied().fold(0.0, f64::max);
@@ -378,7 +419,9 @@ fn conclude(
     (report.distance_mean_percent, report.distance_max_percent) = (100.0 * mean, 100.0 * largest);
 
     let fitted = Surface::of(source, x);
-    report.flipped_triangles = flipped(&fitted, surface);
+    let sides = [(source, &fitted, &onto.masked_source), (target, &onto.surface, &onto.masked_target)]
+        .map(|(mesh, surface, masked)| matching::Side::new(mesh, surface, masked));
+    report.flipped_triangles = flipped(&sides[0], &onto.surface);
     if report.flipped_triangles > 0 {
         report.warnings.push(format!(
             "{} of {} fitted triangles face against the target; look for markers that are swapped or out \
@@ -388,8 +431,6 @@ fn conclude(
         ));
     }
 
-    let sides =
-        [(source, &fitted), (target, surface)].map(|(mesh, surface)| matching::Side::new(mesh, surface));
     let (pairs, partners) = matching::match_triangles(&sides[0], &sides[1], options.match_distance, job)?;
     let mut images = image::images(&sides[0], &sides[1], &partners.of_target, options.match_distance, job)?;
     target.follow(&mut images);
@@ -423,8 +464,12 @@ fn conclude(
 }
 
 /// Number of fitted triangles whose place on the target faces the other way.
-fn flipped(fitted: &Surface, target: &Surface) -> usize {
+fn flipped(source: &matching::Side, target: &Surface) -> usize {
+    let fitted = source.surface();
     let is_flipped = |t: &usize| {
+        if source.is_masked(*t) {
+            return false;
+        }
         let (centroid, normal) = (fitted.centroid(*t), fitted.normals()[*t]);
         let Some(nearest) = target.closest_point(centroid) else { return false };
         if target.normals()[nearest.triangle].dot(normal) > 0.0 {

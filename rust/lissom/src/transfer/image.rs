@@ -55,7 +55,11 @@ pub fn images(
     let surface: &Surface = source.surface();
     let image = |v: usize| {
         let component = mesh.components().of_vertex(v)?;
-        let accept = |s: usize| partner[component].is_none_or(|partner| source.component(s) == partner);
+        if target.is_masked_vertex(v) {
+            return None;
+        }
+        let of_partner = |s: usize| partner[component].is_none_or(|partner| source.component(s) == partner);
+        let accept = |s: usize| !source.is_masked(s) && of_partner(s);
         let hit = surface.closest_compatible_point_on(mesh.rest()[v], normals[v], reach, accept)?;
         Some(Image { triangle: hit.triangle as u32, weights: surface.weights(hit.triangle, hit.point) })
     };

@@ -22,6 +22,9 @@ pub struct Side<'a> {
     surface: &'a Surface,
     /// Component of each triangle.
     component: Vec<u32>,
+    /// Vertices, and triangles with such a corner, that match nothing.
+    masked_vertex: &'a [bool],
+    masked: Vec<bool>,
 }
 
 /// For each triangle, its match.
@@ -29,8 +32,20 @@ type Matches = Vec<Option<u32>>;
 
 impl<'a> Side<'a> {
     /// `surface` holds the triangles of `mesh` at their fitted positions.
-    pub fn new(mesh: &'a Mesh, surface: &'a Surface) -> Self {
-        Self { mesh, surface, component: triangle_components(mesh) }
+    /// `masked_vertex` are left out on both sides of every match.
+    pub fn new(mesh: &'a Mesh, surface: &'a Surface, masked_vertex: &'a [bool]) -> Self {
+        let masked = masked_triangles(mesh, masked_vertex);
+        Self { mesh, surface, component: triangle_components(mesh), masked_vertex, masked }
+    }
+
+    /// Whether a triangle has a masked corner.
+    pub fn is_masked(&self, triangle: usize) -> bool {
+        self.masked[triangle]
+    }
+
+    /// Whether a vertex is masked.
+    pub fn is_masked_vertex(&self, vertex: usize) -> bool {
+        self.masked_vertex[vertex]
     }
 
     /// The mesh.
@@ -56,6 +71,9 @@ impl<'a> Side<'a> {
         for start in (0..count).step_by(BATCH) {
             job.check()?;
             let batch = (start..count.min(start + BATCH)).into_par_iter().map(|t| {
+                if self.masked[t] {
+                    return None;
+                }
                 let (at, normal) = (self.surface.centroid(t), self.surface.normals()[t]);
                 // Reach is measured to the surface: centroids of large triangles are far from anything.
                 let look = |accept: &(dyn Fn(usize) -> bool + Sync)| {
@@ -64,14 +82,19 @@ impl<'a> Side<'a> {
                 };
                 let partner = partner[self.component[t] as usize];
                 let hit = partner
-                    .and_then(|partner| look(&|s| other.component[s] == partner))
-                    .or_else(|| look(&|_| true));
+                    .and_then(|partner| look(&|s| other.component[s] == partner && !other.masked[s]))
+                    .or_else(|| look(&|s| !other.masked[s]));
                 hit.map(|hit| hit.triangle as u32)
             });
             found.par_extend(batch);
         }
         Ok(found)
     }
+}
+
+/// Which triangles have a masked corner.
+pub fn masked_triangles(mesh: &Mesh, vertices: &[bool]) -> Vec<bool> {
+    mesh.triangles().iter().map(|t| t.iter().any(|&v| vertices[v as usize])).collect()
 }
 
 /// Pairs `(triangle of source, triangle of target)`, sorted, each once, among the triangles in use; and which
