@@ -32,6 +32,14 @@ def members(obj, names):
     return {name: indices for name, (indices, _) in weighted_members(obj, names).items()}
 
 
+def mask(obj, name):
+    """The vertices of a group that is named as a mask, (k,); Refused where there is none (row 25)."""
+    found = members(obj, [name])
+    if name not in found:
+        raise Refused(f"'{obj.name}' has no vertex group named '{name}': choose the mask anew, or clear it")
+    return found[name]
+
+
 def from_selection(obj, name):
     """Makes a vertex group of the selected vertices, in edit or in object mode; returns its name."""
     indices = selected_vertices(obj)

@@ -8,11 +8,11 @@ import numpy as np
 from bpy.props import StringProperty
 
 from .. import session
-from ..bridge import checks, meshes, shape_keys
+from ..bridge import checks, groups, meshes, shape_keys
 from ..bridge import markers as bridge_markers
 from ..core import space
 from ..core.transfer import fit_work
-from ..properties.transfer import match_distance_property
+from ..properties.transfer import mask_property, match_distance_property
 from .job import JobOperator, allowed
 from .transfer_markers import SOURCE, TARGET
 
@@ -60,6 +60,10 @@ class Request:
             context, source, target, operator.markers, operator.filepath
         )
         self.options = {"match_distance": operator.match_distance}
+        for name, obj in (("source_mask", source), ("target_mask", target)):
+            group = getattr(operator, name)
+            if group:
+                self.options[name] = groups.mask(obj, group)
         self.markers = np.array([(marker.source, marker.target) for marker in self.pairs], dtype=np.int64)
 
     def geometry(self):
@@ -71,7 +75,9 @@ class Request:
         digest = hashlib.blake2b(digest_size=16)
         for array in (*self.geometry()[0], *self.geometry()[1], self.markers):
             digest.update(np.ascontiguousarray(array).tobytes())
-        digest.update(repr(self.options).encode())
+        for name, option in self.options.items():
+            digest.update(f"{name} ".encode())
+            digest.update(option.tobytes() if isinstance(option, np.ndarray) else repr(option).encode())
         return digest.hexdigest()
 
     def known_fit(self):
@@ -116,6 +122,8 @@ class LISSOM_OT_transfer_fit(JobOperator, bpy.types.Operator):
     markers: StringProperty(**MARKERS)
     filepath: StringProperty(**MARKER_FILE)
     match_distance: match_distance_property()
+    source_mask: mask_property("Source")
+    target_mask: mask_property("Target")
 
     @classmethod
     def poll(cls, context):

@@ -7,7 +7,7 @@ from ..bridge import checks, shape_keys
 from ..core import names, space
 from ..core.refused import Refused, first
 from ..core.transfer import Keys, transfer_work
-from ..properties.transfer import exists_property, match_distance_property, unmatched_property
+from ..properties.transfer import exists_property, mask_property, match_distance_property, unmatched_property
 from .job import JobOperator, answering
 from .transfer_fit import MARKER_FILE, MARKERS, Request, ready
 from .transfer_markers import SOURCE, TARGET
@@ -29,6 +29,8 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
     markers: StringProperty(**MARKERS)
     filepath: StringProperty(**MARKER_FILE)
     match_distance: match_distance_property()
+    source_mask: mask_property("Source")
+    target_mask: mask_property("Target")
     unmatched: unmatched_property()
 
     @classmethod

@@ -61,6 +61,9 @@ class LISSOM_MT_markers(bpy.types.Menu):
         layout.operator("lissom.marker_clear", icon="X", text="Remove All")
 
 
+FIT_OPTIONS = ("match_distance", "source_mask", "target_mask")
+
+
 class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
     """Carry the shape keys of one mesh over to another of different topology."""
 
@@ -77,17 +80,23 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         self._draw_markers(layout, settings)
         column = split_column(layout)
         column.prop(settings, "match_distance")
+        for side in ("source", "target"):
+            obj = getattr(settings, side)
+            if obj is not None:
+                column.prop_search(settings, f"{side}_mask", obj, "vertex_groups")
         row = layout.row()
         row.scale_y = 1.4
         fit = row.operator("lissom.transfer_fit", icon="MOD_SHRINKWRAP")
-        fit.match_distance = settings.match_distance
+        for name in FIT_OPTIONS:
+            setattr(fit, name, getattr(settings, name))
         self._draw_fit(layout, context)
         self._draw_keys(layout, settings)
         row = layout.row()
         row.scale_y = 1.4
         transfer = row.operator("lissom.transfer_keys", icon="SHAPEKEY_DATA")
         transfer.exists, transfer.unmatched = settings.exists, settings.unmatched
-        transfer.match_distance = settings.match_distance
+        for name in FIT_OPTIONS:
+            setattr(transfer, name, getattr(settings, name))
         transfer.keys = "\n".join(row.name for row in settings.chosen) if settings.which == "SELECTED" else ""
         draw_progress(layout, "transfer")
 

@@ -40,6 +40,15 @@ def match_distance_property():
     )
 
 
+def mask_property(side):
+    """A vertex group of the source or the target, for the option of lissom.start_fit of that name."""
+    return StringProperty(
+        name=f"{side} Mask",
+        description=f"Vertex group of the {side.lower()} that matches nothing, such as the inside of the "
+        "mouth. Empty: everything may match",
+    )
+
+
 def unmatched_property():
     """The option of the same name of lissom.Transfer (row 30)."""
     return EnumProperty(
@@ -97,6 +106,8 @@ class LissomTransfer(bpy.types.PropertyGroup):
     )
     chosen: CollectionProperty(type=LissomKeyChoice)
     match_distance: match_distance_property()
+    source_mask: mask_property("Source")
+    target_mask: mask_property("Target")
     unmatched: unmatched_property()
     exists: exists_property("UPDATE")
 

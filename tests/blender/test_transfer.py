@@ -219,6 +219,24 @@ def test_row_36_one_mirrored_end_gets_the_mirrored_key(side):
     assert max(errors) < 1e-3, errors  # all vertices together
 
 
+def test_masked_vertices_match_nothing():
+    source, target = monkeys()
+    faces = [meshes.triangles(obj.data) for obj in (source, target)]
+    hidden = [scene.group(obj, "hidden", lambda co: co.z > 0.4) for obj in (source, target)]
+    bpy.ops.lissom.transfer_fit(source_mask="hidden", target_mask="hidden")
+    pairs = session.fit.fit.pairs
+    for side in (0, 1):
+        masked = np.isin(faces[side], hidden[side]).any(axis=1)
+        assert masked.any() and not masked[pairs[:, side]].any()
+    with scene.refused("has no vertex group named 'gone'"):
+        bpy.ops.lissom.transfer_fit(target_mask="gone")
+    fit = session.fit.fit
+    bpy.ops.lissom.transfer_keys(source_mask="hidden", target_mask="hidden")
+    assert session.fit.fit is fit
+    bpy.ops.lissom.transfer_keys(source_mask="hidden")
+    assert session.fit.fit is not fit
+
+
 def test_a_fit_is_used_again_until_something_changes():
     source, _ = monkeys()
     bpy.ops.lissom.transfer_fit()
