@@ -5,6 +5,7 @@ import bpy
 from ..core import markers
 from ..core.refused import Refused
 from .checks import mesh_object
+from .meshes import signature
 
 
 def pair_of_objects(context, source, target):
@@ -31,13 +32,20 @@ def gather(context, source, target, text, filepath):
         warnings = file_warnings(loaded, source, target)
     else:
         pairs = of_scene(context.scene)
-    if not pairs:
+    if not pairs and not needless(source, target):
         raise Refused(
             "There are no markers: select one vertex on each mesh and press +, at least three times, "
             "or load a marker file"
         )
     markers.check(pairs, len(source.data.vertices), len(target.data.vertices))
     return pairs, warnings
+
+
+def needless(source, target):
+    """True where two meshes have the same faces: each vertex then belongs to its own like."""
+    meshes = source.data, target.data
+    counts = [(len(mesh.vertices), len(mesh.loops), len(mesh.polygons)) for mesh in meshes]
+    return counts[0] == counts[1] and signature(meshes[0]) == signature(meshes[1])
 
 
 def of_scene(scene):

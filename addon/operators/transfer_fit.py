@@ -64,7 +64,8 @@ class Request:
             group = getattr(operator, name)
             if group:
                 self.options[name] = groups.mask(obj, group)
-        self.markers = np.array([(marker.source, marker.target) for marker in self.pairs], dtype=np.int64)
+        markers = [(marker.source, marker.target) for marker in self.pairs]
+        self.markers = np.array(markers, dtype=np.int64).reshape(-1, 2)
 
     def geometry(self):
         """(vertices, triangles) of source and target in solve space."""
@@ -99,7 +100,7 @@ def ready(operator_class, context, keys=False):
         source, target = settings.source, settings.target
         if source is None or target is None or source == target:
             reason = "Choose two different objects as source and target first"
-        elif not len(settings.markers):
+        elif not len(settings.markers) and not bridge_markers.needless(source, target):
             reason = "Add marker pairs first: at least three, ten or more for a face"
         elif keys and not shape_keys.key_names(source):
             reason = f"'{source.name}' has no shape keys to carry over"

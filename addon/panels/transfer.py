@@ -114,7 +114,10 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             row = layout.row(align=True)
             row.prop(active, "source", text="Source")
             row.prop(active, "target", text="Target")
-        if len(settings.markers) < 3:
+        both = settings.source, settings.target
+        if not len(settings.markers) and all(both) and bridge_markers.needless(*both):
+            draw_lines(layout, "CHECKMARK", "Both have the same faces: no markers are needed")
+        elif len(settings.markers) < 3:
             draw_lines(
                 layout,
                 "INFO",

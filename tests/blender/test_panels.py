@@ -213,6 +213,8 @@ def test_transfer_passes_its_settings_on(panels):
     scene.add_key(source, "K", scene.points(source.data.vertices))
     settings = bpy.context.scene.lissom_transfer
     settings.source, settings.target = source, target
+    assert "no markers are needed" in text(draw(panels["transfer"]))
+    settings.target = target = scene.tube(name="Finer", rings=61)
     assert "press +" in text(draw(panels["transfer"]))
     for vertex in range(3):
         bpy.ops.lissom.marker_add(source_vertex=vertex, target_vertex=vertex)

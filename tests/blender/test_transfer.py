@@ -237,6 +237,20 @@ def test_masked_vertices_match_nothing():
     assert session.fit.fit is not fit
 
 
+def test_the_same_faces_need_no_markers():
+    source, target = scene.monkey(1, "Source"), scene.monkey(1, "Target")
+    settings = bpy.context.scene.lissom_transfer
+    settings.source, settings.target = source, target
+    rest = scene.points(source.data.vertices)
+    key = rest + 0.1 * np.sin(5 * rest[:, [1, 2, 0]])
+    scene.add_key(source, "wave", key)
+    bpy.ops.lissom.transfer_keys()
+    assert_allclose(deltas(target, "wave"), key - rest, atol=1e-5)
+    settings.target = other = scene.tube(name="Other")
+    with scene.refused("There are no markers"):
+        bpy.ops.lissom.transfer_keys(target=other.name)
+
+
 def test_a_fit_is_used_again_until_something_changes():
     source, _ = monkeys()
     bpy.ops.lissom.transfer_fit()

@@ -65,7 +65,6 @@ def test_a_job_returns_what_the_call_returns(mesh):
 @pytest.mark.parametrize(
     ("markers", "text"),
     [
-        (np.zeros((0, 2), int), "markers: none given"),
         ([[0, 0], [3, 384]], r"markers: target vertex out of range, the mesh has 384 \(at 1; 1 in all\)"),
         ([[384, 0], [3, 3]], r"markers: source vertex out of range"),
     ],

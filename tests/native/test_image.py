@@ -52,6 +52,19 @@ def test_a_marker_may_be_any_point_of_the_target():
     assert np.abs(fit.fitted_vertices[pairs[:, 0]] - middle).max() < 1e-12 * diagonal(VERTICES * 3)
 
 
+def test_the_same_triangles_need_no_markers():
+    source, target = lissom.Mesh(VERTICES, FACES), lissom.Mesh(2 * VERTICES + [0, 0, 1], FACES)
+    fit = lissom.fit_correspondence(source, target, np.zeros((0, 2), int))
+    assert np.array_equal(fit.pairs, np.column_stack([np.arange(len(FACES))] * 2))
+    assert np.array_equal(on_source(fit, VERTICES), VERTICES)
+    key = VERTICES + 0.1 * np.sin(3 * VERTICES)
+    result = lissom.Transfer(source, target, fit).apply([key]).vertices[0]
+    assert np.abs(result - (2 * key + [0, 0, 1])).max() < 1e-6
+    other = lissom.Mesh(VERTICES, FACES[::-1])
+    with pytest.raises(lissom.InvalidConstraint, match="markers: none given"):
+        lissom.fit_correspondence(source, other, np.zeros((0, 2), int))
+
+
 @pytest.mark.parametrize(
     ("points", "text"),
     [(np.zeros((2, 3)), "2 for 3 markers"), (np.full((3, 3), np.nan), r"points.*not finite \(at 0, 1, 2; 3")],

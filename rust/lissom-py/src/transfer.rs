@@ -98,7 +98,8 @@ fn mask(name: &str, vertices: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<u32>> {
 /// smoothness, identity, closest: the weights w_S, w_I and the largest w_C of the three terms; w_C rises
 /// from 0 through `steps` weights, with `rounds` rounds of closest points at each. match_distance: how
 /// far the centroid of a triangle may be from the other surface to have a match, as a fraction of the
-/// target's diagonal. source_mask, target_mask (k,): vertices that match nothing, as the inside of a mouth.
+/// target's diagonal. Meshes of the same triangles need no markers: with none, each vertex belongs to its like.
+/// source_mask, target_mask (k,): vertices that match nothing, as the inside of a mouth.
 ///
 /// Returns a Fit. Raises InvalidConstraint for no markers, indices out of range and vertices marked
 /// twice, InvalidValue for options out of range.

@@ -170,7 +170,8 @@ pub struct FitReport {
 
 /// Fits `source` to `target` by `markers`, pairs of a source vertex and a target vertex.
 ///
-/// Components of the source without a marker are carried along with the marked ones beside them
+/// Meshes of the same triangles need no marker: without any, each vertex belongs to its own like. Components
+/// of the source without a marker are carried along with the marked ones beside them
 /// before the closest points take over.
 ///
 /// # Errors
@@ -191,6 +192,13 @@ pub fn fit_correspondence(
         .iter()
         .map(|&[s, t]| [source.representative(s), target.representative(t)])
         .collect::<Vec<_>>();
+    if markers.is_empty()
+        && source.triangles() == target.triangles()
+        && source.rest().len() == target.rest().len()
+    {
+        job.check()?;
+        return Ok(same(source, target));
+    }
     let points: Vec<Vec3> = options.points.iter().map(|&p| target.frame().to_unit(p)).collect();
     let markers = markers::check(source, target, markers, &points, &mut warnings)?;
     let onto = Onto::new(source, target, options)?;
@@ -204,6 +212,20 @@ pub fn fit_correspondence(
     fit.report.seconds = start.elapsed().as_secs_f64();
     job.report(1.0, "match");
     Ok(fit)
+}
+
+/// The fit of a mesh onto one of the same vertices and triangles: each belongs to its own like.
+fn same(source: &Mesh, target: &Mesh) -> Fit {
+    let ids = |(&s, &t): (&u32, &u32)| [s, t];
+    let pairs = source.triangle_ids().iter().zip(target.triangle_ids()).map(ids).collect();
+    let mut images = vec![None; source.vertices().len()];
+    for (t, &id) in target.triangles().iter().zip(source.triangle_ids()) {
+        for (corner, &v) in t.iter().enumerate() {
+            images[v as usize] = Some(Image { triangle: id, weights: Vec3::AXES[corner] });
+        }
+    }
+    target.follow(&mut images);
+    Fit { pairs, images, fitted_vertices: target.vertices().to_vec(), report: FitReport::default() }
 }
 
 /// The source's vertices on the target, in the target's unit coordinates, and the rounds it took.
