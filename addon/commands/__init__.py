@@ -8,9 +8,9 @@ import argparse
 import bpy
 import lissom
 
-from . import inbetween
+from . import inbetween, transfer
 
-COMMANDS = {"inbetween": inbetween}
+COMMANDS = {"inbetween": inbetween, "transfer": transfer}
 BAD_INPUT, CANCELLED = 2, 130
 
 _handle = None
