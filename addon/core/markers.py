@@ -8,6 +8,9 @@ file is JSON::
      "pairs": [{"name": "tip of the nose", "source": 1834, "target": 92}]}
 
 ``source`` and ``target`` of the whole are notes for the reader; only ``vertices`` is compared on loading.
+
+Lists as published transfer codes have them are read too: a pair of vertices a line, counted from 0, with a
+comma, a colon or a space between, as in ``1834, 92``; a .cons file has their number in a line before them.
 """
 
 import json
@@ -26,6 +29,7 @@ MAX_FILE_BYTES = 4 * 1024 * 1024
 MAX_DEPTH = 16
 MAX_PAIRS = 20_000
 
+_LINE_OF_LIST = re.compile(r"(\d{1,10})(?:\s*[,:\s]\s*(\d{1,10}))?$")
 _STRING_OR_BRACKET = re.compile(r'"(?:[^"\\]|\\.)*+"|[\[\]{}]', re.DOTALL)
 
 
@@ -91,6 +95,8 @@ def loads(text):
     """Reads the text of a marker file."""
     if len(text) > MAX_FILE_BYTES:
         raise Refused(f"more than {MAX_FILE_BYTES // 2**20} MiB of text")
+    if text.lstrip()[:1].isdigit() or text.lstrip().startswith("#"):
+        return MarkerFile(_listed(text), None, None)
     _check_depth(text)
     try:
         document = json.loads(text, parse_constant=_no_constant)
@@ -128,6 +134,30 @@ def check(pairs, source_vertices, target_vertices):
                     f"Markers '{other.name}' and '{marker.name}' lie on the same {side} vertex "
                     f"{getattr(marker, side)}: remove one of them"
                 )
+
+
+def _listed(text):
+    pairs, promised = [], None
+    for number, line in enumerate(text.splitlines(), start=1):
+        line = line.split("#")[0].strip()
+        if not line:
+            continue
+        match = _LINE_OF_LIST.match(line)
+        alone = match is not None and match[2] is None
+        if match is None or (alone and (pairs or promised is not None)):
+            raise Refused(f"line {number} is no pair of vertices: {line!r:.40}")
+        if alone:
+            promised = int(match[1])
+            continue
+        source, target = int(match[1]), int(match[2])
+        if not (_is_index(source) and _is_index(target)):
+            raise Refused(f"line {number} is no pair of vertices: {line!r:.40}")
+        pairs.append(Marker(f"Marker {len(pairs) + 1}", source, target))
+        if len(pairs) > MAX_PAIRS:
+            raise Refused(f"holds more than {MAX_PAIRS} pairs")
+    if promised not in (None, len(pairs)):
+        raise Refused(f"promises {promised} pairs and has {len(pairs)}")
+    return pairs
 
 
 def _check_depth(text):

@@ -177,14 +177,14 @@ class LISSOM_OT_marker_show(bpy.types.Operator):
 
 
 class LISSOM_OT_marker_load(ImportHelper, bpy.types.Operator):
-    """Read marker pairs from a JSON file in place of the list"""
+    """Read marker pairs from a file in place of the list: JSON, .cons or lines of two vertices"""
 
     bl_idname = "lissom.marker_load"
     bl_label = "Load Markers"
     bl_options = {"REGISTER", "UNDO"}
 
     filename_ext = ".json"
-    filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
+    filter_glob: StringProperty(default="*.json;*.cons;*.txt", options={"HIDDEN"})
 
     @answering
     def execute(self, context):

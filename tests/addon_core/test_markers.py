@@ -46,6 +46,31 @@ def test_a_byte_order_mark_is_skipped(tmp_path):
 
 
 @pytest.mark.parametrize(
+    "content", ["2\n7106,6937\n0, 12\n", "7106:6937\n0:12", "# cat, lion\n7106 6937\n\n0\t12  # nose\n"]
+)
+def test_lists_of_published_codes_are_read(content):
+    pairs = [Marker("Marker 1", 7106, 6937), Marker("Marker 2", 0, 12)]
+    assert markers.loads(content) == markers.MarkerFile(pairs, None, None)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("3\n1,2\n3,4", "promises 3 pairs and has 2"),
+        ("1,2\n3", "line 2 is no pair of vertices: '3'"),
+        ("1,2,3", "line 1 is no pair"),
+        ("1:2\n-3:4", "line 2 is no pair"),
+        ("1:2\n3:4294967296", "line 2 is no pair"),
+        ("1:2\n" * 20_001, "more than 20000 pairs"),
+        ("9" * 100, "line 1 is no pair"),
+    ],
+)
+def test_row_41_lists_that_are_none(content, message):
+    with pytest.raises(Refused, match=message):
+        markers.loads(content)
+
+
+@pytest.mark.parametrize(
     ("content", "message"),
     [
         ("", "not valid JSON"),
