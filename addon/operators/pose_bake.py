@@ -120,6 +120,10 @@ class LISSOM_OT_pose_bake(JobOperator, bpy.types.Operator):
                 if name in self._blocks(obj):
                     shape_keys.remove(obj, name)
             settings.baked.clear()
+            cached = obj.modifiers.get(settings.baked_cache)
+            if cached is not None:  # it would hide the keys
+                obj.modifiers.remove(cached)
+            settings.baked_cache = ""
             for name, shape in zip(self._names, shapes, strict=True):
                 shape_keys.write(obj, name, shape, shape_keys.Settings())
                 settings.baked.add().name = name

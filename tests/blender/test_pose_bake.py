@@ -183,6 +183,20 @@ def test_bound_again_the_baked_motion_is_silent_and_baked_again_replaced():
     assert not obj.data.shape_keys.key_blocks["Walk 0003"].mute
 
 
+def test_keys_take_the_place_of_an_earlier_cache(tmp_path):
+    obj = bound("laplacian")
+    animate(obj, degrees=30)
+    bpy.ops.lissom.pose_bake(object=obj.name, output="CACHE", filepath=str(tmp_path / "a.pc2"))
+    bpy.context.scene.frame_set(FRAMES[0])
+    bpy.ops.lissom.pose_bind(object=obj.name, method="laplacian")
+    scene.empty(obj, "top").location.x += 1
+    scene.empty(obj, "top").keyframe_insert("location", frame=FRAMES[-1])
+    expected = live_shapes(obj)
+    bpy.ops.lissom.pose_bake(object=obj.name)
+    assert not obj.modifiers
+    assert_allclose(played(obj), expected, atol=2e-5)
+
+
 def test_what_cannot_be_baked_changes_nothing(tmp_path):
     obj = bound("laplacian", rings=20)
     animate(obj)
