@@ -68,6 +68,33 @@ def remove(block, path):
         _curves(block).remove(found)
 
 
+def copy_driver(block, path, target, target_path, instead):
+    """Copies the driver of a property, if it has one, to another; reads ``instead`` of one ID another.
+
+    ``instead`` has pairs of IDs. A custom property that the copy then misses comes along.
+    """
+    source = driver(block, path)
+    if source is None:
+        return
+    target.driver_remove(target_path)
+    data = target.animation_data or target.animation_data_create()
+    made = data.drivers.from_existing(src_driver=source)
+    made.data_path = target_path
+    for goal in (goal for variable in made.driver.variables for goal in variable.targets):
+        for one, other in instead:
+            if goal.id == one:
+                _bring_property(one, other, goal.data_path)
+                goal.id = other
+
+
+def _bring_property(one, other, path):
+    own = list(one.keys())
+    for name in own:
+        if path == f'["{bpy.utils.escape_identifier(name)}"]' and name not in other:
+            other[name] = one[name]
+            other.id_properties_ui(name).update_from(one.id_properties_ui(name))
+
+
 def redirect(block, path, target, target_path):
     """Has every driver that reads one property read the other."""
     kind = "OBJECT" if isinstance(target, bpy.types.Object) else "KEY"

@@ -3,11 +3,17 @@
 import bpy
 from bpy.props import EnumProperty, StringProperty
 
-from ..bridge import checks, shape_keys
+from ..bridge import animation, checks, shape_keys
 from ..core import names, space
 from ..core.refused import Refused, first
 from ..core.transfer import Keys, transfer_work
-from ..properties.transfer import exists_property, mask_property, match_distance_property, unmatched_property
+from ..properties.transfer import (
+    drivers_property,
+    exists_property,
+    mask_property,
+    match_distance_property,
+    unmatched_property,
+)
 from .job import JobOperator, answering
 from .transfer_fit import MARKER_FILE, MARKERS, Request, ready
 from .transfer_markers import SOURCE, TARGET
@@ -32,6 +38,7 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
     source_mask: mask_property("Source")
     target_mask: mask_property("Target")
     unmatched: unmatched_property()
+    drivers: drivers_property()
 
     @classmethod
     def poll(cls, context):
@@ -99,8 +106,7 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
     def finish(self, context, result):
         fit, shapes, warnings = result
         request = self._request
-        request.source.find()
-        target = request.target.find()
+        source, target = request.source.find(), request.target.find()
         checks.require_writable(target)
         request.remember(fit)
         rest = request.target.vertices
@@ -109,12 +115,24 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
         for name, delta in zip(self._settings, deltas, strict=True):
             written[name] = space.back(request.target.linear, delta)
         self._write(target, rest, written)
+        if self.drivers != "NONE":
+            self._copy_drivers(source, target)
         warnings = [*request.warnings, *fit.report["warnings"], *warnings, checks.shared_data(target)]
         for warning in filter(None, warnings):
             self.report({"WARNING"}, warning)
         renamed = [new for old, new in self._plan.items() if new != old]
         note = f", renamed: {first(renamed)}" if renamed else ""
         self.report({"INFO"}, f"{len(written)} shape keys on '{target.name}'{note}")
+
+    def _copy_drivers(self, source, target):
+        old, new = source.data.shape_keys, target.data.shape_keys
+        instead = [(source, target), (source.data, target.data), (old, new)]
+        for name, made in self._plan.items():
+            if name in old.key_blocks and made in new.key_blocks:
+                paths = old.key_blocks[name].path_from_id("value"), new.key_blocks[made].path_from_id("value")
+                animation.copy_driver(
+                    old, paths[0], new, paths[1], instead if self.drivers == "REWIRE" else []
+                )
 
     def _write(self, target, rest, deltas):
         """Writes relative keys before the keys that count from them."""

@@ -95,6 +95,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         row.scale_y = 1.4
         transfer = row.operator("lissom.transfer_keys", icon="SHAPEKEY_DATA")
         transfer.exists, transfer.unmatched = settings.exists, settings.unmatched
+        transfer.drivers = settings.drivers
         for name in FIT_OPTIONS:
             setattr(transfer, name, getattr(settings, name))
         transfer.keys = "\n".join(row.name for row in settings.chosen) if settings.which == "SELECTED" else ""
@@ -157,6 +158,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         column = split_column(layout)
         column.prop(settings, "unmatched")
         column.prop(settings, "exists")
+        column.prop(settings, "drivers")
 
 
 classes = (LISSOM_UL_markers, LISSOM_UL_keys, LISSOM_MT_markers, LISSOM_PT_transfer)

@@ -61,6 +61,19 @@ def unmatched_property():
     )
 
 
+def drivers_property():
+    """What becomes of the drivers of the keys."""
+    return EnumProperty(
+        name="Drivers",
+        description="What becomes of the drivers of the shape keys",
+        items=[
+            ("REWIRE", "To Target", "They come along, and read the target where they read the source", 0),
+            ("KEEP", "As They Are", "They come along, and go on reading the source", 1),
+            ("NONE", "None", "They stay behind: the new keys keep their values", 2),
+        ],
+    )
+
+
 def _is_mesh(_, obj):
     return obj.type == "MESH"
 
@@ -110,6 +123,7 @@ class LissomTransfer(bpy.types.PropertyGroup):
     target_mask: mask_property("Target")
     unmatched: unmatched_property()
     exists: exists_property("UPDATE")
+    drivers: drivers_property()
 
 
 classes = (LissomMarker, LissomKeyChoice, LissomTransfer)

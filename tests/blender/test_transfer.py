@@ -251,6 +251,48 @@ def test_the_same_faces_need_no_markers():
         bpy.ops.lissom.transfer_keys(target=other.name)
 
 
+def driven_monkeys():
+    """The key squash driven by a slider of the source, ears by squash itself."""
+    source, target = monkeys()
+    source["slider"] = 0.25
+    source.id_properties_ui("slider").update(min=0.0, max=0.5)
+    keys = source.data.shape_keys
+    for name, kind, block, path in (
+        ("squash", "OBJECT", source, '["slider"]'),
+        ("ears", "KEY", keys, 'key_blocks["squash"].value'),
+    ):
+        driver = keys.key_blocks[name].driver_add("value").driver
+        driver.type = "SUM"
+        goal = driver.variables.new().targets[0]
+        goal.id_type, goal.id, goal.data_path = kind, block, path
+    return source, target
+
+
+def value(obj, name):
+    bpy.context.view_layer.update()
+    graph = bpy.context.evaluated_depsgraph_get()
+    return obj.evaluated_get(graph).data.shape_keys.key_blocks[name].value
+
+
+@pytest.mark.parametrize(("drivers", "reads"), [("REWIRE", "target"), ("KEEP", "source"), ("NONE", None)])
+def test_drivers_come_along(drivers, reads):
+    source, target = driven_monkeys()
+    bpy.ops.lissom.transfer_keys(drivers=drivers)
+    found = target.data.shape_keys.animation_data
+    if reads is None:
+        assert found is None or not len(found.drivers)
+        return
+    obj = {"source": source, "target": target}[reads]
+    assert obj["slider"] == 0.25
+    obj["slider"] = 0.4
+    obj.update_tag()
+    assert_allclose([value(target, name) for name in ("squash", "ears")], 0.4, atol=1e-6)
+    assert ("slider" in target) == (reads == "target")
+    if reads == "target":
+        assert target.id_properties_ui("slider").as_dict()["max"] == 0.5
+        assert_allclose(source.data.shape_keys.key_blocks["squash"].value, 0.25, atol=1e-6)
+
+
 def test_a_fit_is_used_again_until_something_changes():
     source, _ = monkeys()
     bpy.ops.lissom.transfer_fit()
