@@ -113,6 +113,10 @@ class Fit:
     image_triangles: NDArray[np.int64]
     image_weights: NDArray[np.float64]
     fitted_vertices: NDArray[np.float64]
+    distances: NDArray[np.float64]
+    image_distances: NDArray[np.float64]
+    stretch: NDArray[np.float64]
+    flipped: NDArray[np.int64]
     report: dict[str, Any]
 
 def fit_correspondence(
@@ -159,11 +163,14 @@ class Transfer:
         unmatched: str = "follow",
         weighting: str = "area",
         anchor: float = 1.0,
+        contact: bool = False,
     ) -> None: ...
     @property
     def warnings(self) -> list[str]: ...
     def apply(self, poses: ArrayLike) -> Transferred: ...
     def start(self, poses: ArrayLike) -> Job: ...
+    def quality(self, poses: ArrayLike, vertices: ArrayLike) -> dict[str, NDArray[Any]]: ...
+    def start_quality(self, poses: ArrayLike, vertices: ArrayLike) -> Job: ...
 
 class Inbetween:
     def __init__(
@@ -209,6 +216,7 @@ def start_transfer(
     unmatched: str = "follow",
     weighting: str = "area",
     anchor: float = 1.0,
+    contact: bool = False,
 ) -> Job: ...
 def start_inbetween(
     mesh: Mesh,

@@ -197,6 +197,11 @@ pub fn from_pairs(py: Python<'_>, pairs: &[[u32; 2]]) -> PyResult<Py<PyAny>> {
     Ok(array.into_any().unbind())
 }
 
+/// Numbers as a float64 array.
+pub fn from_numbers(py: Python<'_>, values: impl IntoIterator<Item = f64>) -> Py<PyAny> {
+    PyArray::from_iter(py, values).into_any().unbind()
+}
+
 /// Whole numbers as an int64 array.
 pub fn from_integers(py: Python<'_>, values: impl IntoIterator<Item = i64>) -> Py<PyAny> {
     PyArray::from_iter(py, values).into_any().unbind()

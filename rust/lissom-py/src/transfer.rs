@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use lissom::transfer::{
-    Fit, FitOptions, FitReport, Image, Transfer, TransferOptions, Unmatched, Weighting,
-    fit_correspondence as fit,
+    Correspondence, Fit, FitOptions, FitReport, Image, KeyQuality, Transfer, TransferOptions, Unmatched,
+    Weighting, fit_correspondence as fit,
 };
 use lissom::{Job, Mesh, Vec3};
 use pyo3::prelude::*;
@@ -27,6 +27,11 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 /// A source pulled onto a target: `pairs` (p, 2) of source and target triangle; `image_triangles` (n_target,)
 /// and `image_weights` (n_target, 3), where each target vertex lies on the source, -1 where nowhere;
 /// `fitted_vertices` (n_source, 3) in the target's units, and `report`, a dict.
+///
+/// How good it is where: `distances` (n_source,) of the fitted vertices to the target and `image_distances`
+/// (n_target,) of the target's vertices to their images, in the target's units, NaN where there is nothing;
+/// `stretch` (m_source,), how much longer or narrower than the usual one each fitted triangle is, at least 1;
+/// `flipped` (f,), the source triangles that face against the target.
 #[pyclass(name = "Fit", module = "lissom", frozen)]
 pub struct PyFit {
     #[pyo3(get)]
@@ -35,9 +40,17 @@ pub struct PyFit {
     image_triangles: Py<PyAny>,
     #[pyo3(get)]
     image_weights: Py<PyAny>,
-    images: Vec<Option<Image>>,
+    matches: Correspondence,
     #[pyo3(get)]
     fitted_vertices: Py<PyAny>,
+    #[pyo3(get)]
+    distances: Py<PyAny>,
+    #[pyo3(get)]
+    image_distances: Py<PyAny>,
+    #[pyo3(get)]
+    stretch: Py<PyAny>,
+    #[pyo3(get)]
+    flipped: Py<PyAny>,
     #[pyo3(get)]
     report: Py<PyDict>,
 }
@@ -49,6 +62,7 @@ fn report(py: Python<'_>, report: &FitReport) -> PyResult<Py<PyDict>> {
     dict.set_item("distance_mean_percent", report.distance_mean_percent)?;
     dict.set_item("distance_max_percent", report.distance_max_percent)?;
     dict.set_item("flipped_triangles", report.flipped_triangles)?;
+    dict.set_item("stretched_triangles", report.stretched_triangles)?;
     dict.set_item("unmatched_source_triangles", report.unmatched_source_triangles)?;
     dict.set_item("unmatched_target_triangles", report.unmatched_target_triangles)?;
     dict.set_item("unmatched_source_percent", report.unmatched_source_percent)?;
@@ -60,18 +74,25 @@ fn report(py: Python<'_>, report: &FitReport) -> PyResult<Py<PyDict>> {
 }
 
 fn fitted(py: Python<'_>, fit: Fit) -> PyResult<Py<PyAny>> {
-    let pairs = arrays::from_pairs(py, &fit.pairs)?;
+    let pairs = arrays::from_pairs(py, &fit.matches.pairs)?;
+    let images = &fit.matches.images;
     let triangle = |image: &Option<Image>| image.map_or(-1, |image| i64::from(image.triangle));
-    let image_triangles = arrays::from_integers(py, fit.images.iter().map(triangle));
-    let weights: Vec<Vec3> = fit.images.iter().map(|i| i.map_or(Vec3::ZERO, |i| i.weights)).collect();
+    let image_triangles = arrays::from_integers(py, images.iter().map(triangle));
+    let weights: Vec<Vec3> = images.iter().map(|i| i.map_or(Vec3::ZERO, |i| i.weights)).collect();
     let image_weights = arrays::from_points(py, &weights)?;
-    let fitted_vertices = arrays::from_points(py, &fit.fitted_vertices)?;
-    let report = report(py, &fit.report)?;
-    Ok(Py::new(
-        py,
-        PyFit { pairs, image_triangles, image_weights, images: fit.images, fitted_vertices, report },
-    )?
-    .into_any())
+    let made = PyFit {
+        pairs,
+        image_triangles,
+        image_weights,
+        fitted_vertices: arrays::from_points(py, &fit.fitted_vertices)?,
+        distances: arrays::from_numbers(py, fit.distances),
+        image_distances: arrays::from_numbers(py, fit.image_distances),
+        stretch: arrays::from_numbers(py, fit.stretch),
+        flipped: arrays::from_integers(py, fit.flipped.into_iter().map(i64::from)),
+        report: report(py, &fit.report)?,
+        matches: fit.matches,
+    };
+    Ok(Py::new(py, made)?.into_any())
 }
 
 type Work<T> = Box<dyn FnOnce(&Job) -> lissom::Result<T> + Send>;
@@ -191,11 +212,12 @@ fn transferred(target: Arc<Mesh>) -> impl FnOnce(Python<'_>, Vec<Vec<Vec3>>) -> 
 
 /// A prepared transfer from one mesh to another; factored once, for any number of keys.
 ///
-/// Transfer(source, target, fit, *, unmatched="follow", weighting="area", anchor=1.0): `fit` is a Fit, or a (p, 2)
+/// Transfer(source, target, fit, *, unmatched="follow", weighting="area", anchor=1.0, contact=False): `fit` is a Fit, or a (p, 2)
 /// array of source and target triangles. `unmatched` says what components of the target without a match
 /// do: "follow" the nearest matched surface rigidly, or "rest". `weighting` counts each target triangle by
 /// its "area", or by its number of matches ("pairs", as the paper does). `anchor`, a length as a fraction of the
 /// target's diagonal: below it gradients rule, beyond it displacements; lower suits shapes that are much alike.
+/// `contact`: where surfaces of the source come together in a key, as lids do in a blink, those of the target do.
 ///
 /// Raises InvalidConstraint for no pairs or indices out of range, SolveFailed.
 #[pyclass(name = "Transfer", module = "lissom", frozen)]
@@ -207,12 +229,23 @@ impl PyTransfer {
         let transfer = self.0.clone();
         Ok(Box::new(move |job| transfer.apply(&poses, job)))
     }
+
+    fn quality_work(
+        &self,
+        poses: &Bound<'_, PyAny>,
+        vertices: &Bound<'_, PyAny>,
+    ) -> PyResult<Work<Vec<KeyQuality>>> {
+        let poses = arrays::poses("poses", poses, self.0.source().vertices().len())?;
+        let vertices = arrays::poses("vertices", vertices, self.0.target().vertices().len())?;
+        let transfer = self.0.clone();
+        Ok(Box::new(move |job| transfer.quality(&poses, &vertices, job)))
+    }
 }
 
 #[pymethods]
 impl PyTransfer {
     #[new]
-    #[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="area", anchor=1.0))]
+    #[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="area", anchor=1.0, contact=false))]
     fn new(
         source: &Bound<'_, PyMesh>,
         target: &Bound<'_, PyMesh>,
@@ -220,8 +253,9 @@ impl PyTransfer {
         unmatched: &str,
         weighting: &str,
         anchor: f64,
+        contact: bool,
     ) -> PyResult<Self> {
-        let work = prepare(source, target, fit, unmatched, weighting, anchor)?;
+        let work = prepare(source, target, fit, unmatched, weighting, anchor, contact)?;
         Ok(Self(Arc::new(run_value(source.py(), work)?)))
     }
 
@@ -242,6 +276,38 @@ impl PyTransfer {
     fn start(&self, poses: &Bound<'_, PyAny>) -> PyResult<PyJob> {
         PyJob::start(self.work(poses)?, transferred(self.0.target().clone()))
     }
+
+    /// What there is to say about `vertices` (k, n_target, 3), which `apply` has made of `poses` (k, n_source, 3).
+    ///
+    /// Returns a dict of (k,) arrays, 0 where a pose is the rest: `residual`, how far from the gradients asked
+    /// for the result is, relative to them; `flipped_triangles`, target triangles that face against theirs;
+    /// `contacts`, target vertices whose images meet another surface, and `contact_gap`, how much wider than
+    /// on the source their mean distance is, in percent of the target's diagonal; `round_trip`, the root mean
+    /// square error of carrying `vertices` back, relative to the displacement of the pose; `motion`, the largest
+    /// displacement, in percent of the target's diagonal.
+    ///
+    /// Raises InvalidValue for values that are not finite or another number of poses, SolveFailed.
+    fn quality(&self, poses: &Bound<'_, PyAny>, vertices: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
+        job::run(poses.py(), self.quality_work(poses, vertices)?, qualities)
+    }
+
+    /// `quality` in the background: returns a Job at once.
+    fn start_quality(&self, poses: &Bound<'_, PyAny>, vertices: &Bound<'_, PyAny>) -> PyResult<PyJob> {
+        PyJob::start(self.quality_work(poses, vertices)?, qualities)
+    }
+}
+
+fn qualities(py: Python<'_>, keys: Vec<KeyQuality>) -> PyResult<Py<PyAny>> {
+    let numbers = |of: fn(&KeyQuality) -> f64| arrays::from_numbers(py, keys.iter().map(of));
+    let counts = |of: fn(&KeyQuality) -> usize| arrays::from_integers(py, keys.iter().map(|k| of(k) as i64));
+    let dict = PyDict::new(py);
+    dict.set_item("residual", numbers(|key| key.residual))?;
+    dict.set_item("flipped_triangles", counts(|key| key.flipped_triangles))?;
+    dict.set_item("contacts", counts(|key| key.contacts))?;
+    dict.set_item("contact_gap", numbers(|key| key.contact_gap))?;
+    dict.set_item("round_trip", numbers(|key| key.round_trip))?;
+    dict.set_item("motion", numbers(|key| key.motion))?;
+    Ok(dict.into_any().unbind())
 }
 
 /// From the arguments of `Transfer` to the work that makes one.
@@ -252,24 +318,25 @@ fn prepare(
     unmatched: &str,
     weighting: &str,
     anchor: f64,
+    contact: bool,
 ) -> PyResult<Work<Transfer>> {
     let py = source.py();
-    let (pairs, images) = match fit.cast::<PyFit>() {
-        Ok(fit) => (arrays::pairs("fit", fit.get().pairs.bind(py))?, fit.get().images.clone()),
-        Err(_) => (arrays::pairs("fit", fit)?, Vec::new()),
+    let matches = match fit.cast::<PyFit>() {
+        Ok(fit) => fit.get().matches.clone(),
+        Err(_) => Correspondence::of_pairs(arrays::pairs("fit", fit)?),
     };
     let kinds = [("follow", Unmatched::Follow), ("rest", Unmatched::Rest)];
     let unmatched = choice(py, "unmatched", unmatched, &kinds)?;
     let kinds = [("pairs", Weighting::Pairs), ("area", Weighting::Area)];
     let weighting = choice(py, "weighting", weighting, &kinds)?;
     let (source, target) = (source.get().0.clone(), target.get().0.clone());
-    let options = TransferOptions { unmatched, weighting, anchor };
-    Ok(Box::new(move |job| Transfer::new(source, target, &pairs, &images, options, job)))
+    let options = TransferOptions { unmatched, weighting, anchor, contact };
+    Ok(Box::new(move |job| Transfer::new(source, target, &matches, options, job)))
 }
 
 /// `Transfer(...)` in the background: returns a Job whose result is the Transfer.
 #[pyfunction]
-#[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="area", anchor=1.0))]
+#[pyo3(signature = (source, target, fit, *, unmatched="follow", weighting="area", anchor=1.0, contact=false))]
 fn start_transfer(
     source: &Bound<'_, PyMesh>,
     target: &Bound<'_, PyMesh>,
@@ -277,7 +344,8 @@ fn start_transfer(
     unmatched: &str,
     weighting: &str,
     anchor: f64,
+    contact: bool,
 ) -> PyResult<PyJob> {
     let convert = |py: Python<'_>, made| Ok(Py::new(py, PyTransfer(Arc::new(made)))?.into_any());
-    PyJob::start(prepare(source, target, fit, unmatched, weighting, anchor)?, convert)
+    PyJob::start(prepare(source, target, fit, unmatched, weighting, anchor, contact)?, convert)
 }

@@ -85,6 +85,17 @@ pub(crate) fn normal_and_area([a, b, c]: [Vec3; 3]) -> (Vec3, f64) {
     }
 }
 
+/// Normals of vertices at `positions`, as long as twice the area around them.
+pub(crate) fn vertex_normals(triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<Vec3> {
+    let mut normals = vec![Vec3::ZERO; positions.len()];
+    for t in triangles {
+        let [a, b, c] = t.map(|v| positions[v as usize]);
+        let cross = (b - a).cross(c - a);
+        t.iter().for_each(|&v| normals[v as usize] += cross);
+    }
+    normals
+}
+
 /// Half the cotangent at each corner, from edge lengths, and whether they had to be mollified.
 fn half_cotangents([a, b, c]: [Vec3; 3]) -> ([f64; 3], bool) {
     let edges = [c - b, a - c, b - a];

@@ -60,6 +60,11 @@ impl Anchors {
         !self.parts[component].vertices.is_empty()
     }
 
+    /// Root mean square spread of a component's vertices over that of their images, in unit coordinates.
+    pub fn size(&self, component: usize) -> f64 {
+        self.parts[component].size
+    }
+
     /// Vertices and weights.
     pub fn soft(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
         self.parts.iter().flat_map(|part| part.vertices.iter().copied())

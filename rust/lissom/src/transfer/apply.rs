@@ -14,7 +14,8 @@ use rayon::prelude::*;
 
 use super::anchor::Anchors;
 use super::choose::{Chooser, SourceKey};
-use super::image::Image;
+use super::contact::{self, Contact};
+use super::correspondence::Correspondence;
 use super::place::Placer;
 use crate::linear::{Columns, Constraints, REGULARIZED, SymmetricMatrix};
 use crate::stitch::Stitcher;
@@ -56,11 +57,13 @@ pub struct TransferOptions {
     /// `l`: over distances below it gradients rule, beyond it displacements; a fraction of the target's
     /// diagonal, without bound for gradients alone ([`super::anchor`]).
     pub anchor: f64,
+    /// Whether surfaces that come together on the source do so on the target ([`super::contact`]).
+    pub contact: bool,
 }
 
 impl Default for TransferOptions {
     fn default() -> Self {
-        Self { unmatched: Unmatched::default(), weighting: Weighting::default(), anchor: 1.0 }
+        Self { unmatched: Unmatched::default(), weighting: Weighting::default(), anchor: 1.0, contact: false }
     }
 }
 
@@ -69,21 +72,23 @@ const LONGEST: f64 = 1e3;
 
 /// A prepared transfer from one mesh to another: everything that does not depend on the key.
 pub struct Transfer {
-    source: Arc<Mesh>,
-    target: Arc<Mesh>,
-    chooser: Chooser,
-    anchors: Anchors,
+    pub(super) source: Arc<Mesh>,
+    pub(super) target: Arc<Mesh>,
+    /// As the inputs count, and as the triangles in use do.
+    pub(super) matches: Correspondence,
+    pub(super) used: Correspondence,
+    pub(super) options: TransferOptions,
+    pub(super) chooser: Chooser,
+    pub(super) anchors: Anchors,
     placer: Placer,
     stitcher: Stitcher,
     /// `w_t` over the area of the triangle.
-    weights: Vec<f64>,
+    pub(super) weights: Vec<f64>,
     warnings: Vec<String>,
 }
 
 impl Transfer {
-    /// Prepares to carry shapes from `source` to `target`, whose triangles belong together as `pairs`
-    /// says: source triangle and target triangle, as the input of the meshes counts them. `images` tells
-    /// for each target vertex where on the source it lies, and may be empty.
+    /// Prepares to carry shapes from `source` to `target`, whose places belong together as `matches` says.
     ///
     /// # Errors
     ///
@@ -92,8 +97,7 @@ impl Transfer {
     pub fn new(
         source: Arc<Mesh>,
         target: Arc<Mesh>,
-        pairs: &[[u32; 2]],
-        images: &[Option<Image>],
+        matches: &Correspondence,
         options: TransferOptions,
         job: &Job,
     ) -> Result<Self> {
@@ -102,9 +106,8 @@ impl Transfer {
             let problem = format!("must be a positive number, got {}", options.anchor);
             return Err(Error::InvalidValue(Fault::new("anchor", problem)));
         }
-        let pairs = triangles_in_use(&source, &target, pairs)?;
-        let images = images_in_use(&source, &target, images)?;
-        let chooser = Chooser::new(&source, &target, &pairs, &images)?;
+        let used = matches.in_use(&source, &target)?;
+        let chooser = Chooser::new(&source, &target, &used.pairs, &used.images)?;
         job.check()?;
         let weights = weights(&target, &chooser, options.weighting);
         let matrix = weighted_laplacian(&target, &weights);
@@ -128,7 +131,20 @@ impl Transfer {
         let regularized = stitcher.system().factor().is_regularized().then(|| REGULARIZED.into());
         let warnings = fault.map(|fault| fault.to_string()).into_iter().chain(regularized).collect();
         job.report(1.0, "prepare");
-        Ok(Self { source, target, chooser, anchors, placer, stitcher, weights, warnings })
+        let matches = matches.clone();
+        Ok(Self {
+            source,
+            target,
+            matches,
+            used,
+            options,
+            chooser,
+            anchors,
+            placer,
+            stitcher,
+            weights,
+            warnings,
+        })
     }
 
     /// What is doubtful about the matches.
@@ -169,7 +185,7 @@ impl Transfer {
         Ok(results)
     }
 
-    fn check(&self, poses: &[Vec<Vec3>]) -> Result<()> {
+    pub(super) fn check(&self, poses: &[Vec<Vec3>]) -> Result<()> {
         let n = self.source.vertices().len();
         for (k, pose) in poses.iter().enumerate() {
             let fault = if pose.len() == n {
@@ -208,8 +224,18 @@ impl Transfer {
             .collect()
     }
 
+    /// What comes together in a key.
+    pub(super) fn contacts(&self, key: &SourceKey, moved: &[Vec3]) -> Vec<Contact> {
+        let size = |component| self.anchors.size(component);
+        contact::contacts(&self.source, &self.target, &self.used, key, moved, size)
+    }
+
     /// From displacements in unit coordinates, up to a translation, to positions.
     fn finish(&self, key: &SourceKey, moved: &[Vec3], mut displacements: Vec<Vec3>) -> Result<Vec<Vec3>> {
+        if self.options.contact {
+            let contacts = self.contacts(key, moved);
+            contact::close(&self.target, self.stitcher.system(), &contacts, &mut displacements);
+        }
         self.placer.place(&self.target, &self.chooser, key, moved, &mut displacements);
         self.target.follow(&mut displacements);
         let scale = self.target.frame().scale;
@@ -221,55 +247,6 @@ impl Transfer {
             Err(Error::SolveFailed("the result is beyond the range of floating point numbers".into()))
         }
     }
-}
-
-/// `pairs` in terms of the triangles in use; those that the meshes left out have no part in it.
-fn triangles_in_use(source: &Mesh, target: &Mesh, pairs: &[[u32; 2]]) -> Result<Vec<[u32; 2]>> {
-    let mut places = [Vec::new(), Vec::new()];
-    for (side, (name, mesh)) in [("source", source), ("target", target)].into_iter().enumerate() {
-        let m = mesh.input_triangles();
-        let outside = (0..pairs.len()).filter(|&i| pairs[i][side] as usize >= m);
-        let problem = format!("{name} triangle out of range, the mesh has {m}");
-        if let Some(fault) = Fault::at("pairs", problem, outside) {
-            return Err(Error::InvalidConstraint(fault));
-        }
-        places[side] = vec![None; m];
-        for (place, &id) in (0u32..).zip(mesh.triangle_ids()) {
-            places[side][id as usize] = Some(place);
-        }
-    }
-    let place = |pair: &[u32; 2]| Some([places[0][pair[0] as usize]?, places[1][pair[1] as usize]?]);
-    let used: Vec<[u32; 2]> = pairs.iter().filter_map(place).collect();
-    if used.is_empty() {
-        let fault = Fault::new("pairs", "no source triangle is matched with a target triangle");
-        return Err(Error::InvalidConstraint(fault));
-    }
-    Ok(used)
-}
-
-/// `images` in terms of the triangles in use; those on triangles that the source left out are none.
-fn images_in_use(source: &Mesh, target: &Mesh, images: &[Option<Image>]) -> Result<Vec<Option<Image>>> {
-    if images.is_empty() {
-        return Ok(vec![None; target.vertices().len()]);
-    }
-    if images.len() != target.vertices().len() {
-        let problem = format!("{} for the {} vertices of the target", images.len(), target.vertices().len());
-        return Err(Error::InvalidConstraint(Fault::new("images", problem)));
-    }
-    let m = source.input_triangles();
-    let outside = (0..images.len()).filter(|&v| images[v].is_some_and(|image| image.triangle as usize >= m));
-    if let Some(fault) = Fault::at("images", format!("triangle out of range, the source has {m}"), outside) {
-        return Err(Error::InvalidConstraint(fault));
-    }
-    let mut places = vec![None; m];
-    for (place, &id) in (0u32..).zip(source.triangle_ids()) {
-        places[id as usize] = Some(place);
-    }
-    let used = |image: &Option<Image>| {
-        let image = (*image)?;
-        places[image.triangle as usize].map(|triangle| Image { triangle, ..image })
-    };
-    Ok(images.iter().map(used).collect())
 }
 
 /// `w_t` over the area of each triangle, as the stitcher already weighs by area.
@@ -301,7 +278,8 @@ mod tests {
     use crate::transfer::{FitOptions, fit_correspondence};
 
     fn prepare(source: Mesh, target: Mesh, pairs: &[[u32; 2]], options: TransferOptions) -> Transfer {
-        Transfer::new(Arc::new(source), Arc::new(target), pairs, &[], options, &Job::default()).unwrap()
+        let matches = Correspondence::of_pairs(pairs.to_vec());
+        Transfer::new(Arc::new(source), Arc::new(target), &matches, options, &Job::default()).unwrap()
     }
 
     fn both_weightings() -> [TransferOptions; 2] {
@@ -326,7 +304,7 @@ mod tests {
             [ring(12, 20, 15), ring(15, 28, 21)],
         ];
         let fit = fit_correspondence(&source, &target, &markers, &FitOptions::default(), &Job::default());
-        (source, target, fit.unwrap().pairs)
+        (source, target, fit.unwrap().matches.pairs)
     }
 
     fn posed(mesh: &Mesh, map: impl Fn(Vec3) -> Vec3) -> Vec<Vec3> {
@@ -446,7 +424,8 @@ mod tests {
     fn rows_3_and_9_poses_and_pairs_are_checked() {
         let mesh = Arc::new(bumpy_grid(4));
         let new = |pairs: &[[u32; 2]]| {
-            Transfer::new(mesh.clone(), mesh.clone(), pairs, &[], TransferOptions::default(), &Job::default())
+            let matches = Correspondence::of_pairs(pairs.to_vec());
+            Transfer::new(mesh.clone(), mesh.clone(), &matches, TransferOptions::default(), &Job::default())
         };
         let text = |error: Error| error.to_string();
         assert!(text(new(&[]).err().unwrap()).starts_with("pairs: no source triangle"));

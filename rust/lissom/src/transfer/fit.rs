@@ -21,11 +21,14 @@ use rayon::prelude::*;
 
 use super::carry::Carry;
 use super::closest::{Hit, Surface};
+use super::correspondence::Correspondence;
 use super::energy::{Energy, Weights};
 use super::image::{self, Image};
 use super::markers::{self, Marker};
 use super::matching;
 use super::partners::{Overlap, Partners, triangle_components};
+use crate::mesh::geometry::{normal_and_area, vertex_normals};
+use crate::operators::gradient::triangle_gradient;
 use crate::operators::mass::lumped_mass;
 use crate::{Error, Fault, Job, Mesh, Result, Vec3};
 
@@ -39,6 +42,9 @@ const EXTRAPOLATION: f64 = 0.8;
 /// A vertex is stuck on the wrong side when the nearest point that faces its way is further away
 /// than the nearest point of all by this fraction of the diagonal: thin sheets have both sides close.
 const FLIPPED: f64 = 0.01;
+
+/// A triangle is told of as stretched from here on: three times as long as the usual one, or a third as wide.
+pub const STRETCHED: f64 = 3.0;
 
 /// Vertices looked up between two looks at the job.
 const BATCH: usize = 4096;
@@ -128,13 +134,19 @@ impl FitOptions {
 /// A source that has been pulled onto a target.
 #[derive(Debug, Clone)]
 pub struct Fit {
-    /// Source triangle and target triangle, as the input of the meshes counts them; many to many,
-    /// sorted, each pair once.
-    pub pairs: Vec<[u32; 2]>,
-    /// Where each target vertex lies on the source, as the input of that counts triangles.
-    pub images: Vec<Option<Image>>,
+    /// What belongs together.
+    pub matches: Correspondence,
     /// The source's vertices on the target, in the target's units.
     pub fitted_vertices: Vec<Vec3>,
+    /// How far each of them is from the target's surface that faces its way, in the target's units; not a number
+    /// where nothing does, and for masked vertices.
+    pub distances: Vec<f64>,
+    /// How far each target vertex is from its image, likewise.
+    pub image_distances: Vec<f64>,
+    /// How much each source triangle, as its input counts them, is longer or narrower than the usual one.
+    pub stretch: Vec<f64>,
+    /// The source triangles that face against the target where they lie.
+    pub flipped: Vec<u32>,
     /// How well it went.
     pub report: FitReport,
 }
@@ -152,6 +164,8 @@ pub struct FitReport {
     pub distance_max_percent: f64,
     /// Fitted triangles that face against the target where they lie.
     pub flipped_triangles: usize,
+    /// Fitted triangles that are stretched along one direction, or squeezed, by more than [`STRETCHED`].
+    pub stretched_triangles: usize,
     /// Source triangles without a match.
     pub unmatched_source_triangles: usize,
     /// Target triangles without a match.
@@ -218,14 +232,27 @@ pub fn fit_correspondence(
 fn same(source: &Mesh, target: &Mesh) -> Fit {
     let ids = |(&s, &t): (&u32, &u32)| [s, t];
     let pairs = source.triangle_ids().iter().zip(target.triangle_ids()).map(ids).collect();
-    let mut images = vec![None; source.vertices().len()];
-    for (t, &id) in target.triangles().iter().zip(source.triangle_ids()) {
-        for (corner, &v) in t.iter().enumerate() {
-            images[v as usize] = Some(Image { triangle: id, weights: Vec3::AXES[corner] });
+    let corners = |mesh: &Mesh| {
+        let mut images = vec![None; mesh.vertices().len()];
+        for (t, &triangle) in mesh.triangles().iter().zip(mesh.triangle_ids()) {
+            for (corner, &v) in t.iter().enumerate() {
+                images[v as usize] = Some(Image { triangle, weights: Vec3::AXES[corner] });
+            }
         }
+        mesh.follow(&mut images);
+        images
+    };
+    let (images, back_images) = (corners(source), corners(target));
+    let n = images.len();
+    Fit {
+        matches: Correspondence { pairs, images, back_images },
+        fitted_vertices: target.vertices().to_vec(),
+        distances: vec![0.0; n],
+        image_distances: vec![0.0; n],
+        stretch: vec![1.0; source.input_triangles()],
+        flipped: Vec::new(),
+        report: FitReport::default(),
     }
-    target.follow(&mut images);
-    Fit { pairs, images, fitted_vertices: target.vertices().to_vec(), report: FitReport::default() }
 }
 
 /// The source's vertices on the target, in the target's unit coordinates, and the rounds it took.
@@ -386,14 +413,7 @@ impl<'a> LookUp<'a> {
 
     /// The closest compatible point of every vertex; `None` where nothing faces its way.
     fn closest_points(&self, x: &[Vec3], job: &Job) -> Result<Vec<Option<Hit>>> {
-        let mut normals = vec![Vec3::ZERO; x.len()];
-        for t in self.source.triangles() {
-            let [a, b, c] = t.map(|v| x[v as usize]);
-            let cross = (b - a).cross(c - a);
-            for &v in t {
-                normals[v as usize] += cross;
-            }
-        }
+        let normals = vertex_normals(self.source.triangles(), x);
         let closest = |v: usize| {
             if self.onto.masked_source[v] {
                 return None;
@@ -434,16 +454,21 @@ fn conclude(
 ) -> Result<Fit> {
     let frame = target.frame();
     let hits = LookUp::new(source, target, onto, 0.0).closest_points(x, job)?;
-    let distances: Vec<f64> = hits.iter().flatten().map(|h| h.distance).collect();
-    let mean = distances.iter().sum::<f64>() / distances.len().max(1) as f64;
-    let largest = distances.iter().copied().fold(0.0, f64::max);
+    let found = || hits.iter().flatten().map(|h| h.distance);
+    let mean = found().sum::<f64>() / found().count().max(1) as f64;
+    let largest = found().fold(0.0, f64::max);
     (report.distance_mean, report.distance_max) = (mean * frame.scale, largest * frame.scale);
     (report.distance_mean_percent, report.distance_max_percent) = (100.0 * mean, 100.0 * largest);
 
     let fitted = Surface::of(source, x);
-    let sides = [(source, &fitted, &onto.masked_source), (target, &onto.surface, &onto.masked_target)]
-        .map(|(mesh, surface, masked)| matching::Side::new(mesh, surface, masked));
-    report.flipped_triangles = flipped(&sides[0], &onto.surface);
+    let sides = [
+        matching::Side::new(source, x, &fitted, &onto.masked_source),
+        matching::Side::new(target, target.rest(), &onto.surface, &onto.masked_target),
+    ];
+    let flipped = flipped(&sides[0], &onto.surface);
+    report.flipped_triangles = flipped.len();
+    let stretches = stretches(source, x);
+    report.stretched_triangles = stretches.iter().filter(|&&s| s > STRETCHED).count();
     if report.flipped_triangles > 0 {
         report.warnings.push(format!(
             "{} of {} fitted triangles face against the target; look for markers that are swapped or out \
@@ -454,11 +479,9 @@ fn conclude(
     }
 
     let (pairs, partners) = matching::match_triangles(&sides[0], &sides[1], options.match_distance, job)?;
-    let mut images = image::images(&sides[0], &sides[1], &partners.of_target, options.match_distance, job)?;
-    target.follow(&mut images);
-    for image in images.iter_mut().flatten() {
-        image.triangle = source.triangle_ids()[image.triangle as usize];
-    }
+    let reach = options.match_distance;
+    let images = image::images(&sides[0], &sides[1], &partners.of_target, reach, job)?;
+    let back_images = image::images(&sides[1], &sides[0], &partners.of_source, reach, job)?;
     for (side, mesh) in [source, target].into_iter().enumerate() {
         let mut matched = vec![false; mesh.triangles().len()];
         for pair in &pairs {
@@ -482,11 +505,66 @@ fn conclude(
     if fitted_vertices.iter().any(|p| !p.is_finite()) {
         return Err(Error::SolveFailed("the fit left the range of floating point numbers".into()));
     }
-    Ok(Fit { pairs: pairs.iter().map(given).collect(), images, fitted_vertices, report })
+    let mut distances: Vec<f64> =
+        hits.iter().map(|h| h.map_or(f64::NAN, |h| h.distance * frame.scale)).collect();
+    source.follow(&mut distances);
+    let from_image = |(image, &p): (&Option<Image>, &Vec3)| match image {
+        Some(image) => {
+            let corners = source.triangles()[image.triangle as usize].map(|v| x[v as usize]);
+            image.blend(corners).distance(p) * frame.scale
+        }
+        None => f64::NAN,
+    };
+    let mut image_distances: Vec<f64> = images.iter().zip(target.rest()).map(from_image).collect();
+    target.follow(&mut image_distances);
+    let mut stretch = vec![1.0; source.input_triangles()];
+    for (&id, s) in source.triangle_ids().iter().zip(stretches) {
+        stretch[id as usize] = s;
+    }
+    let matches = Correspondence {
+        pairs: pairs.iter().map(given).collect(),
+        images: as_given(images, source, target),
+        back_images: as_given(back_images, target, source),
+    };
+    let flipped = flipped.into_iter().map(|t| source.triangle_ids()[t]).collect();
+    Ok(Fit { matches, fitted_vertices, distances, image_distances, stretch, flipped, report })
 }
 
-/// Number of fitted triangles whose place on the target faces the other way.
-fn flipped(source: &matching::Side, target: &Surface) -> usize {
+/// Images of the vertices of `of` on `on` as the inputs of the meshes count.
+fn as_given(mut images: Vec<Option<Image>>, on: &Mesh, of: &Mesh) -> Vec<Option<Image>> {
+    of.follow(&mut images);
+    for image in images.iter_mut().flatten() {
+        image.triangle = on.triangle_ids()[image.triangle as usize];
+    }
+    images
+}
+
+/// How much longer or narrower than the usual triangle each one of `source` is at `x`.
+fn stretches(source: &Mesh, x: &[Vec3]) -> Vec<f64> {
+    let rest = source.rest();
+    let values: Vec<[f64; 2]> = (source.triangles().par_iter())
+        .map(|t| singular_values(t.map(|v| rest[v as usize]), t.map(|v| x[v as usize])))
+        .collect();
+    let mut sizes: Vec<f64> = values.iter().map(|[a, b]| (a * b).sqrt()).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let usual = sizes.get(sizes.len() / 2).copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
+    values.iter().map(|[a, b]| (a / usual).max(usual / b.max(f64::MIN_POSITIVE))).collect()
+}
+
+/// Both singular values of the map from triangle `rest` to `posed`, the larger first.
+fn singular_values(rest: [Vec3; 3], posed: [Vec3; 3]) -> [f64; 2] {
+    let (normal, _) = normal_and_area(rest);
+    let gradient = triangle_gradient(rest, posed);
+    let a = normal.any_orthonormal_vector();
+    let (fa, fb) = (gradient * a, gradient * normal.cross(a));
+    // Sum of their squares, and their product.
+    let (squares, product) = (fa.length_squared() + fb.length_squared(), fa.cross(fb).length());
+    let (plus, minus) = ((squares + 2.0 * product).sqrt(), (squares - 2.0 * product).max(0.0).sqrt());
+    [0.5 * (plus + minus), 0.5 * (plus - minus)]
+}
+
+/// Fitted triangles whose place on the target faces the other way.
+fn flipped(source: &matching::Side, target: &Surface) -> Vec<usize> {
     let fitted = source.surface();
     let is_flipped = |t: &usize| {
         if source.is_masked(*t) {
@@ -500,7 +578,7 @@ fn flipped(source: &matching::Side, target: &Surface) -> usize {
         let compatible = target.closest_compatible_point(centroid, normal);
         compatible.is_none_or(|hit| hit.distance > nearest.distance + FLIPPED)
     };
-    (0..fitted.normals().len()).into_par_iter().filter(is_flipped).count()
+    (0..fitted.normals().len()).into_par_iter().filter(is_flipped).collect()
 }
 
 #[cfg(test)]
@@ -540,7 +618,7 @@ mod tests {
             assert!((*a - *b).length() < 1e-8);
         }
         let same: Vec<[u32; 2]> = (0..mesh.triangles().len() as u32).map(|t| [t, t]).collect();
-        assert_eq!(fit.pairs, same);
+        assert_eq!(fit.matches.pairs, same);
         assert!(fit.report.distance_max < 1e-8 && fit.report.warnings.is_empty());
     }
 
@@ -633,7 +711,7 @@ mod tests {
             let gap = fit.fitted_vertices[v].distance(map(source.vertices()[v]));
             assert!(gap < 0.02 * target.frame().scale, "vertex {v} is off by {gap}");
         }
-        let across = fit.pairs.iter().filter(|p| (p[0] < faces) != (p[1] < 2 * 16 * 16)).count();
+        let across = fit.matches.pairs.iter().filter(|p| (p[0] < faces) != (p[1] < 2 * 16 * 16)).count();
         assert_eq!(across, 0, "no pair joins the ball to the grid");
     }
 

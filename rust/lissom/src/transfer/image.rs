@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::closest::Surface;
 use super::matching::Side;
+use crate::mesh::geometry::vertex_normals;
 use crate::{Job, Result, Vec3};
 
 /// Vertices looked up between two looks at the job.
@@ -32,35 +33,31 @@ impl Image {
     }
 }
 
-/// The image of every vertex of `target` on the fitted `source`; `None` beyond `reach`, on other components
-/// than the partner, and where nothing faces the same way. Triangles count as those in use.
+/// The image of every vertex of `of` on the triangles of `on`, both where the fit has put them; `None` beyond
+/// `reach`, on other components than the partner, and where nothing faces the same way. Triangles count as those
+/// in use.
 ///
 /// # Errors
 ///
 /// [`crate::Error::Cancelled`].
 pub fn images(
-    source: &Side,
-    target: &Side,
+    on: &Side,
+    of: &Side,
     partner: &[Option<u32>],
     reach: f64,
     job: &Job,
 ) -> Result<Vec<Option<Image>>> {
-    let mesh = target.mesh();
-    let mut normals = vec![Vec3::ZERO; mesh.rest().len()];
-    for ((t, normal), area) in mesh.triangles().iter().zip(mesh.normals()).zip(mesh.areas()) {
-        for &v in t {
-            normals[v as usize] += *normal * *area;
-        }
-    }
-    let surface: &Surface = source.surface();
+    let mesh = of.mesh();
+    let normals = vertex_normals(mesh.triangles(), of.positions());
+    let surface: &Surface = on.surface();
     let image = |v: usize| {
         let component = mesh.components().of_vertex(v)?;
-        if target.is_masked_vertex(v) {
+        if of.is_masked_vertex(v) {
             return None;
         }
-        let of_partner = |s: usize| partner[component].is_none_or(|partner| source.component(s) == partner);
-        let accept = |s: usize| !source.is_masked(s) && of_partner(s);
-        let hit = surface.closest_compatible_point_on(mesh.rest()[v], normals[v], reach, accept)?;
+        let of_partner = |s: usize| partner[component].is_none_or(|partner| on.component(s) == partner);
+        let accept = |s: usize| !on.is_masked(s) && of_partner(s);
+        let hit = surface.closest_compatible_point_on(of.positions()[v], normals[v], reach, accept)?;
         Some(Image { triangle: hit.triangle as u32, weights: surface.weights(hit.triangle, hit.point) })
     };
     let count = mesh.rest().len();

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::closest::Surface;
 use super::partners::{Overlap, Partners, triangle_components};
-use crate::{Job, Mesh, Result};
+use crate::{Job, Mesh, Result, Vec3};
 
 /// Triangles looked up between two looks at the job.
 const BATCH: usize = 4096;
@@ -19,6 +19,7 @@ const BATCH: usize = 4096;
 /// One of the two meshes, where the fit has put it.
 pub struct Side<'a> {
     mesh: &'a Mesh,
+    positions: &'a [Vec3],
     surface: &'a Surface,
     /// Component of each triangle.
     component: Vec<u32>,
@@ -31,11 +32,16 @@ pub struct Side<'a> {
 type Matches = Vec<Option<u32>>;
 
 impl<'a> Side<'a> {
-    /// `surface` holds the triangles of `mesh` at their fitted positions.
+    /// `surface` holds the triangles of `mesh` at their fitted `positions`.
     /// `masked_vertex` are left out on both sides of every match.
-    pub fn new(mesh: &'a Mesh, surface: &'a Surface, masked_vertex: &'a [bool]) -> Self {
+    pub fn new(
+        mesh: &'a Mesh,
+        positions: &'a [Vec3],
+        surface: &'a Surface,
+        masked_vertex: &'a [bool],
+    ) -> Self {
         let masked = masked_triangles(mesh, masked_vertex);
-        Self { mesh, surface, component: triangle_components(mesh), masked_vertex, masked }
+        Self { mesh, positions, surface, component: triangle_components(mesh), masked_vertex, masked }
     }
 
     /// Whether a triangle has a masked corner.
@@ -53,7 +59,12 @@ impl<'a> Side<'a> {
         self.mesh
     }
 
-    /// Its triangles where the fit has put them.
+    /// Its vertices where the fit has put them.
+    pub fn positions(&self) -> &'a [Vec3] {
+        self.positions
+    }
+
+    /// Its triangles there.
     pub fn surface(&self) -> &'a Surface {
         self.surface
     }

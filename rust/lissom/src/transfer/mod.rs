@@ -28,6 +28,8 @@ pub mod apply;
 mod carry;
 mod choose;
 pub(crate) mod closest;
+pub mod contact;
+mod correspondence;
 mod energy;
 pub mod fit;
 mod image;
@@ -35,9 +37,12 @@ mod markers;
 mod matching;
 mod partners;
 mod place;
+pub mod quality;
 #[cfg(test)]
 mod testing;
 
 pub use apply::{Transfer, TransferOptions, Unmatched, Weighting};
+pub use correspondence::Correspondence;
 pub use fit::{Fit, FitOptions, FitReport, fit_correspondence};
 pub use image::Image;
+pub use quality::KeyQuality;

@@ -1,0 +1,93 @@
+//! Correspondence: which places of the source and of the target belong together, in both directions.
+
+use super::image::Image;
+use crate::{Error, Fault, Mesh, Result};
+
+/// What a fit finds, and all that a transfer needs; triangles as the input of the meshes counts them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Correspondence {
+    /// Source triangle and target triangle; many to many.
+    pub pairs: Vec<[u32; 2]>,
+    /// Where each target vertex lies on the source; may be empty.
+    pub images: Vec<Option<Image>>,
+    /// Where each source vertex lies on the target; may be empty.
+    pub back_images: Vec<Option<Image>>,
+}
+
+impl Correspondence {
+    /// Pairs of triangles alone, as Sumner & Popović (2004) have them.
+    pub fn of_pairs(pairs: Vec<[u32; 2]>) -> Self {
+        Self { pairs, ..Self::default() }
+    }
+
+    /// The same with source and target exchanged.
+    pub fn reversed(&self) -> Self {
+        Self {
+            pairs: self.pairs.iter().map(|&[s, t]| [t, s]).collect(),
+            images: self.back_images.clone(),
+            back_images: self.images.clone(),
+        }
+    }
+
+    /// The same in terms of the triangles in use; what lies on triangles that a mesh left out is left out.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidConstraint`] for no pairs, indices out of range and images of another number.
+    pub fn in_use(&self, source: &Mesh, target: &Mesh) -> Result<Self> {
+        let pairs = pairs_in_use(source, target, &self.pairs)?;
+        let images = images_in_use(source, target, &self.images)?;
+        let back_images = images_in_use(target, source, &self.back_images)?;
+        Ok(Self { pairs, images, back_images })
+    }
+}
+
+/// For each triangle of the input, its place among those in use.
+fn places(mesh: &Mesh) -> Vec<Option<u32>> {
+    let mut places = vec![None; mesh.input_triangles()];
+    for (place, &id) in (0u32..).zip(mesh.triangle_ids()) {
+        places[id as usize] = Some(place);
+    }
+    places
+}
+
+fn pairs_in_use(source: &Mesh, target: &Mesh, pairs: &[[u32; 2]]) -> Result<Vec<[u32; 2]>> {
+    for (side, (name, mesh)) in [("source", source), ("target", target)].into_iter().enumerate() {
+        let m = mesh.input_triangles();
+        let outside = (0..pairs.len()).filter(|&i| pairs[i][side] as usize >= m);
+        let problem = format!("{name} triangle out of range, the mesh has {m}");
+        if let Some(fault) = Fault::at("pairs", problem, outside) {
+            return Err(Error::InvalidConstraint(fault));
+        }
+    }
+    let [of_source, of_target] = [places(source), places(target)];
+    let place = |&[s, t]: &[u32; 2]| Some([of_source[s as usize]?, of_target[t as usize]?]);
+    let used: Vec<[u32; 2]> = pairs.iter().filter_map(place).collect();
+    if used.is_empty() {
+        let fault = Fault::new("pairs", "no source triangle is matched with a target triangle");
+        return Err(Error::InvalidConstraint(fault));
+    }
+    Ok(used)
+}
+
+/// `images` of the vertices of `of` on the triangles of `on`; none at all stand for each vertex having none.
+fn images_in_use(on: &Mesh, of: &Mesh, images: &[Option<Image>]) -> Result<Vec<Option<Image>>> {
+    if images.is_empty() {
+        return Ok(vec![None; of.vertices().len()]);
+    }
+    if images.len() != of.vertices().len() {
+        let problem = format!("{} for a mesh of {} vertices", images.len(), of.vertices().len());
+        return Err(Error::InvalidConstraint(Fault::new("images", problem)));
+    }
+    let m = on.input_triangles();
+    let outside = (0..images.len()).filter(|&v| images[v].is_some_and(|image| image.triangle as usize >= m));
+    if let Some(fault) = Fault::at("images", format!("triangle out of range, the mesh has {m}"), outside) {
+        return Err(Error::InvalidConstraint(fault));
+    }
+    let places = places(on);
+    let used = |image: &Option<Image>| {
+        let image = (*image)?;
+        places[image.triangle as usize].map(|triangle| Image { triangle, ..image })
+    };
+    Ok(images.iter().map(used).collect())
+}

@@ -1,0 +1,101 @@
+"""Contact: what comes together on the source comes together on a target that is further apart."""
+
+import lissom
+import numpy as np
+import pytest
+
+LENGTH, COLUMNS = 3.0, 21
+
+
+def lips(opening, around):
+    """A thick C, drawn out along x, whose ends face each other across `opening` (radians).
+
+    Returns vertices, faces and for each vertex its angle from the middle of the opening, in -pi to pi.
+    """
+    half = opening / 2
+    outer = np.linspace(half, 2 * np.pi - half, around)
+    rim = np.linspace(1.0, 0.7, 5)[1:-1]
+    angles = np.concatenate([outer, np.full(3, outer[-1]), outer[::-1], np.full(3, outer[0])])
+    radii = np.concatenate([np.ones(around), rim, np.full(around, 0.7), rim[::-1]])
+    points = len(angles)
+    x = np.linspace(0, LENGTH, COLUMNS)
+    vertices = np.array(
+        [(at, r * np.sin(a), r * np.cos(a)) for at in x for a, r in zip(angles, radii, strict=True)]
+    )
+    faces = []
+    for c in range(COLUMNS - 1):
+        for p in range(points):
+            q = (p + 1) % points
+            a, b, d, e = c * points + p, c * points + q, (c + 1) * points + q, (c + 1) * points + p
+            faces += [(a, b, d), (a, d, e)]
+    return vertices, np.array(faces), np.tile(np.where(angles > np.pi, angles - 2 * np.pi, angles), COLUMNS)
+
+
+def closed(vertices, angle, by):
+    """Both halves turned towards the opening, the more the nearer they are to it."""
+    turn = -np.sign(angle) * by * (1 - np.abs(angle) / np.pi)
+    y, z = vertices[:, 1], vertices[:, 2]
+    turned = np.column_stack([np.sin(turn) * z + np.cos(turn) * y, np.cos(turn) * z - np.sin(turn) * y])
+    return np.column_stack([vertices[:, 0], turned])
+
+
+SOURCE, FACES, ANGLE = lips(0.5, 60)
+TARGET, OTHER, OTHER_ANGLE = lips(0.8, 47)
+CLOSED = closed(SOURCE, ANGLE, 0.25 / (1 - 0.25 / np.pi) * 0.98)
+
+
+def fitted():
+    """Marked along both rims and the back, at both ends and in between."""
+    pairs = []
+    for column in (0, 5, 10, 15, 20):
+        rows, others = (column * (len(v) // COLUMNS) for v in (SOURCE, TARGET))
+        for place, other in ((0, 0), (59, 46), (30, 23), (63, 50), (122, 96), (15, 12), (45, 35)):
+            pairs.append((rows + place, others + other))
+    source, target = lissom.Mesh(SOURCE, FACES), lissom.Mesh(TARGET, OTHER)
+    return source, target, lissom.fit_correspondence(source, target, pairs)
+
+
+def gap(vertices):
+    """Mean distance between the two rims."""
+    row = vertices.reshape(COLUMNS, -1, 3)
+    first = np.concatenate([row[:, :1], row[:, :-4:-1], row[:, -4:-3]], axis=1)
+    around = (row.shape[1] - 6) // 2
+    last = row[:, around - 1 : around + 4]
+    return np.linalg.norm(first - last, axis=2).mean()
+
+
+def test_rims_that_meet_on_the_source_meet_on_a_target_that_is_further_apart():
+    source, target, fit = fitted()
+    left = {}
+    for contact in (False, True):
+        transfer = lissom.Transfer(source, target, fit, contact=contact)
+        result = transfer.apply([CLOSED]).vertices
+        quality = transfer.quality([CLOSED], result)
+        assert quality["contacts"][0] > 50
+        left[contact] = gap(result[0]), quality["contact_gap"][0]
+    assert gap(CLOSED) < 0.03 * gap(SOURCE)
+    assert left[False][0] > 0.2 * gap(TARGET), "nothing to show"
+    assert left[True][0] < 0.2 * left[False][0]
+    assert left[True][1] < 0.2 * left[False][1]
+
+
+def test_keys_that_bring_nothing_together_stay_as_they_are():
+    source, target, fit = fitted()
+    wider = closed(SOURCE, ANGLE, -0.2)
+    results = [
+        lissom.Transfer(source, target, fit, contact=contact).apply([wider, SOURCE]).vertices
+        for contact in (False, True)
+    ]
+    assert np.array_equal(*results)
+    assert np.array_equal(results[1][1], TARGET)
+
+
+@pytest.mark.parametrize("contact", [False, True])
+def test_what_does_not_move_stays_put_exactly(contact):
+    source, target, fit = fitted()
+    ends = SOURCE[:, :1] > LENGTH / 2
+    key = np.where(ends, CLOSED, SOURCE)
+    result = lissom.Transfer(source, target, fit, contact=contact).apply([key]).vertices[0]
+    behind = TARGET[:, 0] < 0.4 * LENGTH
+    assert np.array_equal(result[behind], TARGET[behind])
+    assert not np.array_equal(result, TARGET)
