@@ -13,6 +13,7 @@ from .operators import (
     transfer_fit,
     transfer_keys,
     transfer_markers,
+    transfer_parts,
 )
 from .panels import inbetween as inbetween_panel
 from .panels import pose as pose_panel
@@ -30,6 +31,7 @@ _OPERATORS = (
     transfer_markers,
     transfer_fit,
     transfer_keys,
+    transfer_parts,
     inbetween_bake,
     inbetween_arcs,
 )

@@ -4,26 +4,18 @@ import bpy
 
 from ..core import markers
 from ..core.refused import Refused
-from .checks import mesh_object
+from .assembly import both_sides
 from .meshes import signature
 
 
 def pair_of_objects(context, source, target):
-    """Source and target by name, or as chosen in the scene; two different mesh objects."""
-    settings = context.scene.lissom_transfer
-    found = []
-    for side, name, chosen in (("source", source, settings.source), ("target", target, settings.target)):
-        if not name and chosen is None:
-            raise Refused(f"Choose the {side} object first")
-        found.append(mesh_object(name or chosen.name, context))
-    if found[0] == found[1]:
-        raise Refused("Source and target are the same object: choose two")
-    return found
+    """The main object of source and target, which the markers lie on."""
+    return [side[0] for side in both_sides(context, source, target)]
 
 
-def gather(context, source, target, text, filepath):
-    """The checked pairs (a list of core.markers.Marker) for two mesh objects, and warnings."""
-    warnings = []
+def gather(context, sources, targets, text, filepath):
+    """The checked pairs (a list of core.markers.Marker) on the first objects of both sides, and warnings."""
+    source, target, warnings = sources[0], targets[0], []
     if text and filepath:
         raise Refused("Give the markers as text or as a file, not both")
     if text or filepath:
@@ -32,7 +24,7 @@ def gather(context, source, target, text, filepath):
         warnings = file_warnings(loaded, source, target)
     else:
         pairs = of_scene(context.scene)
-    if not pairs and not needless(source, target):
+    if not pairs and not needless(sources, targets):
         raise Refused(
             "There are no markers: select one vertex on each mesh and press +, at least three times, "
             "or load a marker file"
@@ -41,8 +33,12 @@ def gather(context, source, target, text, filepath):
     return pairs, warnings
 
 
-def needless(source, target):
-    """True where two meshes have the same faces: each vertex then belongs to its own like."""
+def needless(sources, targets):
+    """True where both sides have the same faces, object by object: each vertex belongs to its own like."""
+    return len(sources) == len(targets) and all(map(_alike, sources, targets))
+
+
+def _alike(source, target):
     meshes = source.data, target.data
     counts = [(len(mesh.vertices), len(mesh.loops), len(mesh.polygons)) for mesh in meshes]
     return counts[0] == counts[1] and signature(meshes[0]) == signature(meshes[1])

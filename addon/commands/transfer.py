@@ -7,8 +7,10 @@ import time
 import bpy
 
 from .. import session
-from ..bridge import checks, shape_keys
+from ..bridge import checks
 from ..core.refused import Refused
+from ..operators.transfer_fit import key_names
+from ..operators.transfer_parts import quality_rows
 from ..properties.transfer import EXISTS_ITEMS
 
 SUMMARY = "carry the shape keys of one mesh over to another of different topology"
@@ -19,13 +21,16 @@ def configure(parser):
     """Adds the command's arguments to an argparse.ArgumentParser."""
     add = parser.add_argument
     add("--file", required=True, help="the .blend file with the target")
-    add("--target", required=True, help="name of the mesh object that receives the keys")
-    add("--source", required=True, help="name of the mesh object whose keys are carried over")
+    add("--target", required=True, nargs="+", help="mesh object that gets the keys, and further ones")
+    add("--source", required=True, nargs="+", help="mesh object with the keys, and further ones")
     add("--source-file", help="the .blend file with the source (default: that of the target)")
     add("--markers", default="", help="marker file (default: the markers in the file, if any)")
     add("--keys", nargs="+", default=[], help="names of the shape keys (default: all)")
     add("--exists", choices=[item[0].lower() for item in EXISTS_ITEMS], default="update")
     add("--loose-parts", choices=("follow", "rest"), default="follow", help="what parts without a match do")
+    add("--drivers", choices=("rewire", "keep", "none"), default="rewire", help="what becomes of drivers")
+    add("--contact", action="store_true", help="lids and lips that meet on the source meet on the target")
+    add("--drop-empty", action="store_true", help="leave out keys that do not move the target")
     add("--match-distance", type=float, default=0.02, help="as a part of the target's diagonal (0.02)")
     add("--source-mask", default="", help="vertex group of the source that matches nothing")
     add("--target-mask", default="", help="vertex group of the target that matches nothing")
@@ -39,29 +44,33 @@ def run(arguments):
     try:
         _check(arguments)
         bpy.ops.wm.open_mainfile(filepath=_absolute(arguments.file), load_ui=False)
-        target = checks.mesh_object(arguments.target, bpy.context)
-        source, brought = _source(arguments)
-        keys, unknown = _keys(source, arguments.keys)
+        targets = [checks.mesh_object(name, bpy.context) for name in arguments.target]
+        sources, brought = _sources(arguments)
+        keys, unknown = _keys(sources, arguments.keys)
         bpy.ops.lissom.transfer_keys(
-            source=source.name,
-            target=target.name,
+            source="\n".join(source.name for source in sources),
+            target="\n".join(arguments.target),
             keys="\n".join(keys),
             filepath=_absolute(arguments.markers) if arguments.markers else "",
             exists=arguments.exists.upper(),
             unmatched=arguments.loose_parts,
+            drivers=arguments.drivers.upper(),
+            contact=arguments.contact,
+            drop_empty=arguments.drop_empty,
             match_distance=arguments.match_distance,
             source_mask=arguments.source_mask,
             target_mask=arguments.target_mask,
         )
         report = {
-            "source": source.name,
-            "target": target.name,
+            "source": [source.name for source in sources],
+            "target": arguments.target,
             "keys": keys,
-            "errors": [f"'{arguments.source}' has no shape key named '{name}'" for name in unknown],
+            "errors": [f"'{arguments.source[0]}' has no shape key named '{name}'" for name in unknown],
             "fit": session.fit.fit.report,
+            "quality": quality_rows(bpy.context.scene),
             "seconds": round(time.perf_counter() - started, 3),
         }
-        if brought:
+        for source in sources if brought else ():
             bpy.data.objects.remove(source)
         bpy.ops.wm.save_as_mainfile(filepath=_absolute(arguments.out), copy=True)
         if arguments.report:
@@ -72,7 +81,7 @@ def run(arguments):
         return BAD_INPUT
     for error in report["errors"]:
         print(f"Error: {error}")
-    print(f"{len(keys)} shape keys on '{target.name}'")
+    print(f"{len(keys)} shape keys on {', '.join(repr(target.name) for target in targets)}")
     return PARTLY_DONE if unknown else DONE
 
 
@@ -93,26 +102,27 @@ def _absolute(path):
     return str(pathlib.Path(path).resolve())
 
 
-def _source(arguments):
-    """The source object, and whether it was brought in from another file."""
+def _sources(arguments):
+    """The source objects, and whether they were brought in from another file."""
     if not arguments.source_file or _absolute(arguments.source_file) == _absolute(arguments.file):
-        return checks.mesh_object(arguments.source, bpy.context), False
+        return [checks.mesh_object(name, bpy.context) for name in arguments.source], False
     with bpy.data.libraries.load(_absolute(arguments.source_file), link=False) as (there, here):
-        if arguments.source not in there.objects:
-            raise Refused(f"There is no object named '{arguments.source}' in '{arguments.source_file}'")
-        here.objects = [arguments.source]
-    (source,) = here.objects
-    bpy.context.scene.collection.objects.link(source)
+        missing = [name for name in arguments.source if name not in there.objects]
+        if missing:
+            raise Refused(f"There is no object named '{missing[0]}' in '{arguments.source_file}'")
+        here.objects = list(arguments.source)
+    for source in here.objects:
+        bpy.context.scene.collection.objects.link(source)
     bpy.context.view_layer.update()
-    return checks.mesh_object(source.name, bpy.context), True
+    return [checks.mesh_object(source.name, bpy.context) for source in here.objects], True
 
 
-def _keys(source, wanted):
+def _keys(sources, wanted):
     """The keys to carry over, and those that are not there."""
-    there = shape_keys.key_names(source)
+    there = key_names(sources)
     if not wanted:
         return there, []
     known = [name for name in wanted if name in there]
     if not known:
-        raise Refused(f"'{source.name}' has none of these shape keys: {', '.join(wanted)}")
+        raise Refused(f"'{sources[0].name}' has none of these shape keys: {', '.join(wanted)}")
     return known, [name for name in wanted if name not in there]

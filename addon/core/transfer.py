@@ -1,5 +1,7 @@
 """Transfer of keys: fit where none is at hand, then all keys as right-hand sides of one factorization."""
 
+from typing import NamedTuple
+
 import lissom
 import numpy as np
 
@@ -27,21 +29,32 @@ def fit_steps(source, target, markers, options):
     return fit
 
 
-def transfer_work(source, target, fit, shapes, options):
-    """Work whose result is (fit, shapes on the target (k, n_target, 3), warnings).
+class Carried(NamedTuple):
+    """What a transfer has found: ``shapes`` (k, n_target, 3); ``quality``, of lissom.Transfer, or None."""
+
+    fit: object
+    shapes: np.ndarray
+    quality: dict | None
+    warnings: list
+
+
+def transfer_work(source, target, fit, shapes, options, check=False):
+    """Work whose result is a Carried.
 
     ``fit`` is one that was made before, or what ``fit_steps`` needs: (markers, its options). ``shapes``
-    (k, n_source, 3) are absolute positions in solve space; ``options`` are those of lissom.Transfer.
+    (k, n_source, 3) are absolute positions in solve space; ``options`` are those of lissom.Transfer. With
+    ``check`` the quality of each shape is found too.
     """
 
     def steps():
         ends = lissom.Mesh(*source), lissom.Mesh(*target)
         known = (yield from fit_steps(*ends, *fit)) if isinstance(fit, tuple) else fit
         if not len(shapes):
-            return known, shapes, []
+            return Carried(known, shapes, {} if check else None, [])
         transfer = yield lissom.start_transfer(*ends, known, **options)
-        result = yield transfer.start(shapes)
-        return known, result.vertices, list(transfer.warnings)
+        result = (yield transfer.start(shapes)).vertices
+        quality = (yield transfer.start_quality(shapes, result)) if check else None
+        return Carried(known, result, quality, list(transfer.warnings))
 
     return Work(steps())
 
@@ -78,3 +91,8 @@ class Keys:
             yield (rest if shape is None else shapes[shape]) - (
                 rest if relative is None else shapes[relative]
             )
+
+    def of_key(self, place, quality):
+        """What ``quality`` of the shapes says about one pair; of its relative key's shape nothing."""
+        shape = self._pairs[place][0]
+        return {} if shape is None else {name: values[shape].item() for name, values in quality.items()}

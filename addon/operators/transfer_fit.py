@@ -8,9 +8,10 @@ import numpy as np
 from bpy.props import StringProperty
 
 from .. import session
-from ..bridge import checks, groups, meshes, shape_keys
+from ..bridge import checks, shape_keys
 from ..bridge import markers as bridge_markers
-from ..core import space
+from ..bridge.assembly import Assembly, both_sides
+from ..core.refused import Refused
 from ..core.transfer import fit_work
 from ..properties.transfer import mask_property, match_distance_property
 from .job import JobOperator, allowed
@@ -33,8 +34,8 @@ class Memory(NamedTuple):
     """A fit with what it was made of: the digest for certainty, names and pairs for the panel."""
 
     digest: str
-    source: str
-    target: str
+    source: list
+    target: list
     pairs: list
     fit: object
     summary: str
@@ -49,21 +50,19 @@ def summary(report):
 
 
 class Request:
-    """Both meshes and the markers of an operator, as arrays."""
+    """Both sides and the markers of an operator, as arrays."""
 
     def __init__(self, operator, context):
-        source, target = bridge_markers.pair_of_objects(context, operator.source, operator.target)
-        self.source, self.target = (
-            meshes.Snapshot.of(obj, space.linear_part(obj.matrix_world, obj.name)) for obj in (source, target)
-        )
+        sources, targets = both_sides(context, operator.source, operator.target)
+        self.source, self.target = Assembly(sources), Assembly(targets)
         self.pairs, self.warnings = bridge_markers.gather(
-            context, source, target, operator.markers, operator.filepath
+            context, sources, targets, operator.markers, operator.filepath
         )
         self.options = {"match_distance": operator.match_distance}
-        for name, obj in (("source_mask", source), ("target_mask", target)):
-            group = getattr(operator, name)
+        for side in ("source", "target"):
+            group = getattr(operator, f"{side}_mask")
             if group:
-                self.options[name] = groups.mask(obj, group)
+                self.options[f"{side}_mask"] = getattr(self, side).mask(group)
         markers = [(marker.source, marker.target) for marker in self.pairs]
         self.markers = np.array(markers, dtype=np.int64).reshape(-1, 2)
 
@@ -88,7 +87,7 @@ class Request:
     def remember(self, fit):
         """Keeps the fit for the next transfer."""
         session.fit = Memory(
-            self.digest(), self.source.name, self.target.name, self.pairs, fit, summary(fit.report)
+            self.digest(), self.source.names, self.target.names, self.pairs, fit, summary(fit.report)
         )
 
 
@@ -97,18 +96,24 @@ def ready(operator_class, context, keys=False):
     settings = getattr(context, "lissom_transfer", None)
     reason = ""
     if settings is not None:
-        source, target = settings.source, settings.target
-        if source is None or target is None or source == target:
-            reason = "Choose two different objects as source and target first"
-        elif not len(settings.markers) and not bridge_markers.needless(source, target):
+        try:
+            sources, targets = both_sides(context, "", "")
+        except Refused:
+            return allowed(operator_class, "Choose two different objects as source and target first")
+        if not len(settings.markers) and not bridge_markers.needless(sources, targets):
             reason = "Add marker pairs first: at least three, ten or more for a face"
-        elif keys and not shape_keys.key_names(source):
-            reason = f"'{source.name}' has no shape keys to carry over"
+        elif keys and not key_names(sources):
+            reason = f"'{sources[0].name}' has no shape keys to carry over"
         elif keys and settings.which == "SELECTED" and not len(settings.chosen):
             reason = "Tick the shape keys to carry over first"
         elif keys:
-            reason = checks.refusal(target)
+            reason = next(filter(None, map(checks.refusal, targets)), "")
     return allowed(operator_class, reason)
+
+
+def key_names(objects):
+    """Names of the shape keys that these objects have, each once, in their order."""
+    return list(dict.fromkeys(name for obj in objects for name in shape_keys.key_names(obj)))
 
 
 class LISSOM_OT_transfer_fit(JobOperator, bpy.types.Operator):

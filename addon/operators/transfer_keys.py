@@ -4,18 +4,22 @@ import bpy
 from bpy.props import EnumProperty, StringProperty
 
 from ..bridge import animation, checks, shape_keys
-from ..core import names, space
+from ..bridge.assembly import objects_of
+from ..core import names
 from ..core.refused import Refused, first
 from ..core.transfer import Keys, transfer_work
 from ..properties.transfer import (
+    check_property,
+    contact_property,
     drivers_property,
+    drop_empty_property,
     exists_property,
     mask_property,
     match_distance_property,
     unmatched_property,
 )
 from .job import JobOperator, answering
-from .transfer_fit import MARKER_FILE, MARKERS, Request, ready
+from .transfer_fit import MARKER_FILE, MARKERS, Request, key_names, ready
 from .transfer_markers import SOURCE, TARGET
 
 
@@ -39,6 +43,9 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
     target_mask: mask_property("Target")
     unmatched: unmatched_property()
     drivers: drivers_property()
+    contact: contact_property()
+    drop_empty: drop_empty_property()
+    check: check_property()
 
     @classmethod
     def poll(cls, context):
@@ -46,105 +53,159 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
 
     def begin(self, context):
         self._request = request = Request(self, context)
-        source = bpy.data.objects[request.source.name]
-        target = bpy.data.objects[request.target.name]
-        checks.require_writable(target)
-        wanted = [line for line in self.keys.splitlines() if line] or shape_keys.key_names(source)
+        sources, targets = request.source.objects(), request.target.objects()
+        for target in targets:
+            checks.require_writable(target)
+        wanted = [line for line in self.keys.splitlines() if line] or key_names(sources)
         if not wanted:
-            raise Refused(f"'{source.name}' has no shape keys to carry over")
+            raise Refused(f"'{request.source.name}' has no shape keys to carry over")
         twice = [name for name in wanted if wanted.count(name) > 1]
         if twice:
             raise Refused(f"Shape key '{twice[0]}' is asked for twice")
-        keys = [shape_keys.find(source, name) for name in wanted]
-        for key in keys:
-            shape_keys.refuse_preview(key)
-        self._plan = self._destinations(target, keys)
-        kept = [key for key in keys if key.name in self._plan]
+        found = {name: _keys_of(sources, name) for name in wanted}
+        self._plan = self._destinations(targets, wanted)
+        kept = [name for name in wanted if any(name in plan for plan in self._plan)]
         if not kept:
-            raise Refused(f"'{target.name}' has all of these keys, and If Exists is Skip: nothing to do")
-        self._settings = {key.name: (key.relative_key.name, shape_keys.Settings.of(key)) for key in kept}
-        into = request.source.linear
+            raise Refused(
+                f"'{request.target.name}' has all of these keys, and If Exists is Skip: nothing to do"
+            )
+        self._settings = {}
+        for name in kept:
+            key = next(filter(None, found[name]))
+            self._settings[name] = key.relative_key.name, shape_keys.Settings.of(key)
         self._shapes = Keys(
-            space.into(into, request.source.vertices),
+            request.source.rest(),
             [
-                (
-                    space.into(into, shape_keys.shape(key)),
-                    space.into(into, shape_keys.shape(key.relative_key)),
-                )
-                for key in kept
+                tuple(request.source.into(shapes) for shapes in _shapes(request.source.parts, found[name]))
+                for name in kept
             ],
         )
         return transfer_work(
             *request.geometry(),
             request.known_fit() or (request.markers, request.options),
             self._shapes.shapes,
-            {"unmatched": self.unmatched},
+            {"unmatched": self.unmatched, "contact": self.contact},
+            self.check,
         )
 
-    def _destinations(self, target, keys):
-        """Names on the source -> names on the target; locked keys are refused before anything is computed."""
-        blocks = target.data.shape_keys.key_blocks if target.data.shape_keys else {}
-        taken = set(blocks.keys())
-        plan = {}
-        for key in keys:
-            name = names.resolve(key.name, taken, self.exists)
-            if name is None:
-                continue
-            plan[key.name] = name
-            taken.add(name)
-        if blocks and target.data.shape_keys.reference_key.name in plan.values():
-            raise Refused(
-                f"'{target.data.shape_keys.reference_key.name}' is the Basis of '{target.name}': "
-                "rename the source's key, or choose Rename"
-            )
-        overwritten = [blocks[name] for name in plan.values() if name in blocks]
-        for key in overwritten:
-            shape_keys.refuse_preview(key)
-        checks.require_unlocked(overwritten)
-        return plan
+    def _destinations(self, targets, wanted):
+        """For each target, names on the source -> names there.
+
+        Locked keys are refused before anything is computed.
+        """
+        blocks = [obj.data.shape_keys.key_blocks if obj.data.shape_keys else {} for obj in targets]
+        taken = set().union(*(keys.keys() for keys in blocks))
+        plans = [{} for _ in targets]
+        for name in wanted:
+            renamed = names.resolve(name, taken, "RENAME") if self.exists == "RENAME" else None
+            for keys, plan in zip(blocks, plans, strict=True):
+                given = renamed or names.resolve(name, {*keys.keys(), *plan.values()}, self.exists)
+                if given is not None:
+                    plan[name] = given
+                    taken.add(given)
+        for obj, keys, plan in zip(targets, blocks, plans, strict=True):
+            if keys and obj.data.shape_keys.reference_key.name in plan.values():
+                raise Refused(
+                    f"'{obj.data.shape_keys.reference_key.name}' is the Basis of '{obj.name}': "
+                    "rename the source's key, or choose Rename"
+                )
+            overwritten = [keys[name] for name in plan.values() if name in keys]
+            for key in overwritten:
+                shape_keys.refuse_preview(key)
+            checks.require_unlocked(overwritten)
+        return plans
 
     def finish(self, context, result):
-        fit, shapes, warnings = result
         request = self._request
-        source, target = request.source.find(), request.target.find()
-        checks.require_writable(target)
-        request.remember(fit)
-        rest = request.target.vertices
-        deltas = self._shapes.deltas(space.into(request.target.linear, rest), shapes)
-        written = {}
-        for name, delta in zip(self._settings, deltas, strict=True):
-            written[name] = space.back(request.target.linear, delta)
-        self._write(target, rest, written)
-        if self.drivers != "NONE":
-            self._copy_drivers(source, target)
-        warnings = [*request.warnings, *fit.report["warnings"], *warnings, checks.shared_data(target)]
-        for warning in filter(None, warnings):
+        sources, targets = request.source.find(), request.target.find()
+        for target in targets:
+            checks.require_writable(target)
+        request.remember(result.fit)
+        deltas = [{} for _ in targets]
+        found = self._shapes.deltas(request.target.rest(), result.shapes)
+        for name, delta in zip(self._settings, found, strict=True):
+            for own, part in zip(deltas, request.target.back(delta), strict=True):
+                own[name] = part
+        written = []
+        for place, (obj, own) in enumerate(zip(targets, deltas, strict=True)):
+            self._plan[place] = self._without_empty(obj, own, self._plan[place], place > 0)
+            self._write(obj, request.target.parts[place].vertices, own, self._plan[place])
+            if self.drivers != "NONE":
+                self._copy_drivers(sources, targets[0], obj, self._plan[place])
+            written += self._plan[place].values()
+        if result.quality is not None:
+            self._remember_quality(context, result.quality)
+        warnings = [*request.warnings, *result.fit.report["warnings"], *result.warnings]
+        for warning in filter(None, [*warnings, *map(checks.shared_data, targets)]):
             self.report({"WARNING"}, warning)
-        renamed = [new for old, new in self._plan.items() if new != old]
-        note = f", renamed: {first(renamed)}" if renamed else ""
-        self.report({"INFO"}, f"{len(written)} shape keys on '{target.name}'{note}")
+        renamed = [new for plan in self._plan for old, new in plan.items() if new != old]
+        note = f", renamed: {first(dict.fromkeys(renamed))}" if renamed else ""
+        on = f"'{targets[0].name}'" if len(targets) == 1 else f"{len(targets)} objects"
+        self.report({"INFO"}, f"{len(written)} shape keys on {on}{note}")
 
-    def _copy_drivers(self, source, target):
-        old, new = source.data.shape_keys, target.data.shape_keys
-        instead = [(source, target), (source.data, target.data), (old, new)]
-        for name, made in self._plan.items():
-            if name in old.key_blocks and made in new.key_blocks:
-                paths = old.key_blocks[name].path_from_id("value"), new.key_blocks[made].path_from_id("value")
-                animation.copy_driver(
-                    old, paths[0], new, paths[1], instead if self.drivers == "REWIRE" else []
-                )
+    def _without_empty(self, obj, deltas, plan, further):
+        """The plan without keys that move nothing: by option, or new ones of further objects."""
+        there = obj.data.shape_keys.key_blocks if obj.data.shape_keys else {}
+        return {
+            name: new
+            for name, new in plan.items()
+            if deltas[name].any() or not (self.drop_empty or (further and new not in there))
+        }
 
-    def _write(self, target, rest, deltas):
+    def _remember_quality(self, context, quality):
+        rows = context.scene.lissom_transfer.quality
+        rows.clear()
+        for place, name in enumerate(self._settings):
+            new = next((plan[name] for plan in self._plan if name in plan), None)
+            if new is not None:
+                row = rows.add()
+                row.name = new
+                for field, values in self._shapes.of_key(place, quality).items():
+                    setattr(row, field, values)
+
+    def _copy_drivers(self, sources, main, target, plan):
+        for source in sources:
+            old, new = source.data.shape_keys, target.data.shape_keys
+            instead = [(sources[0], main), (sources[0].data, main.data), (sources[0].data.shape_keys, new)]
+            instead += [(source, target), (source.data, target.data), (old, new)]
+            for name, made in plan.items():
+                if old and name in old.key_blocks and made in new.key_blocks:
+                    paths = [
+                        keys.path_from_id("value") for keys in (old.key_blocks[name], new.key_blocks[made])
+                    ]
+                    animation.copy_driver(
+                        old, paths[0], new, paths[1], instead if self.drivers == "REWIRE" else []
+                    )
+
+    def _write(self, target, rest, deltas, plan):
         """Writes relative keys before the keys that count from them."""
-        order = _relative_first(deltas, {name: relative for name, (relative, _) in self._settings.items()})
+        relative = {name: self._settings[name][0] for name in plan}
+        if not plan:
+            return
         basis = shape_keys.ensure_basis(target)
-        for name in order:
+        for name in _relative_first(list(plan), relative):
             relative_name, settings = self._settings[name]
-            relative = target.data.shape_keys.key_blocks.get(
-                self._plan.get(relative_name, relative_name), basis
-            )
-            shape = shape_keys.shape(relative) if relative != basis else rest
-            shape_keys.write(target, self._plan[name], shape + deltas[name], settings, relative)
+            counts_from = target.data.shape_keys.key_blocks.get(plan.get(relative_name, relative_name), basis)
+            shape = shape_keys.shape(counts_from) if counts_from != basis else rest
+            shape_keys.write(target, plan[name], shape + deltas[name], settings, counts_from)
+
+
+def _keys_of(objects, name):
+    """The shape key of that name on each object, None where it has none; Refused where none has."""
+    blocks = [obj.data.shape_keys.key_blocks if obj.data.shape_keys else {} for obj in objects]
+    if not any(name in keys for keys in blocks):
+        shape_keys.find(objects[0], name)
+    found = [keys.get(name) for keys in blocks]
+    for key in filter(None, found):
+        shape_keys.refuse_preview(key)
+    return found
+
+
+def _shapes(parts, keys):
+    """The absolute shapes of a key and of its relative key, part by part; the rest where there is no key."""
+    rows = list(zip(parts, keys, strict=True))
+    yield [shape_keys.shape(key) if key else part.vertices for part, key in rows]
+    yield [shape_keys.shape(key.relative_key) if key else part.vertices for part, key in rows]
 
 
 def _relative_first(names_of_keys, relative):
@@ -179,10 +240,9 @@ class LISSOM_OT_transfer_choose(bpy.types.Operator):
     @answering
     def execute(self, context):
         settings = context.scene.lissom_transfer
-        if settings.source is None:
-            raise Refused("Choose the source object first")
+        sources = objects_of(context, "source", "")
         if self.action == "TOGGLE":
-            shape_keys.find(settings.source, self.key)
+            _keys_of(sources, self.key)
             index = settings.chosen.find(self.key)
             if index >= 0:
                 settings.chosen.remove(index)
@@ -191,7 +251,7 @@ class LISSOM_OT_transfer_choose(bpy.types.Operator):
             return
         settings.chosen.clear()
         if self.action == "ALL":
-            for name in shape_keys.key_names(settings.source):
+            for name in key_names(sources):
                 settings.chosen.add().name = name
 
 

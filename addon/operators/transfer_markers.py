@@ -15,12 +15,12 @@ from .job import allowed, answering
 
 SOURCE = {
     "name": "Source",
-    "description": "Name of the source object; empty: the scene's",
+    "description": "Name of the source object, with further ones, one a line; empty: the scene's",
     "options": {"SKIP_SAVE"},
 }
 TARGET = {
     "name": "Target",
-    "description": "Name of the target object; empty: the scene's",
+    "description": "Name of the target object, with further ones, one a line; empty: the scene's",
     "options": {"SKIP_SAVE"},
 }
 

@@ -5,6 +5,8 @@ import bpy
 from .. import session
 from ..bridge import markers as bridge_markers
 from ..bridge import shape_keys
+from ..bridge.assembly import both_sides
+from ..core.refused import Refused
 from .common import Sidebar, draw_lines, draw_progress, split_column
 
 
@@ -46,6 +48,27 @@ class LISSOM_UL_keys(bpy.types.UIList):
         return [flag if key.name in offered else 0 for flag, key in zip(flags, keys, strict=True)], []
 
 
+class LISSOM_UL_quality(bpy.types.UIList):
+    """What was said about each key, the worst first."""
+
+    bl_idname = "LISSOM_UL_quality"
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property):
+        row = layout.split(factor=0.55)
+        row.label(text=item.name, translate=False)
+        value = getattr(item, data.quality_order)
+        row.label(text=SHOWN[data.quality_order].format(value))
+
+    def filter_items(self, context, data, property_name):
+        rows = getattr(data, property_name)
+        helper = bpy.types.UI_UL_list
+        flags = []
+        if self.filter_name:
+            flags = helper.filter_items_by_name(self.filter_name, self.bitflag_filter_item, rows)
+        worst = [(place, -getattr(row, data.quality_order)) for place, row in enumerate(rows)]
+        return flags, helper.sort_items_helper(worst, lambda pair: pair[1])
+
+
 class LISSOM_MT_markers(bpy.types.Menu):
     """Files and the whole list"""
 
@@ -61,6 +84,13 @@ class LISSOM_MT_markers(bpy.types.Menu):
         layout.operator("lissom.marker_clear", icon="X", text="Remove All")
 
 
+SHOWN = {
+    "round_trip": "{:.1%} off",
+    "residual": "{:.1%} off",
+    "flipped_triangles": "{} turned over",
+    "contact_gap": "{:.2f} % apart",
+}
+KEY_OPTIONS = ("unmatched", "exists", "drivers", "contact", "drop_empty", "check")
 FIT_OPTIONS = ("match_distance", "source_mask", "target_mask")
 
 
@@ -74,10 +104,16 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         layout = self.layout
         settings = context.scene.lissom_transfer
         layout.context_pointer_set("lissom_transfer", settings)
-        column = split_column(layout)
-        column.prop(settings, "source", icon="OUTLINER_OB_MESH")
-        column.prop(settings, "target", icon="OUTLINER_OB_MESH")
-        self._draw_markers(layout, settings)
+        for side in ("source", "target"):
+            row = layout.row(align=True)
+            split_column(row).prop(settings, side, icon="OUTLINER_OB_MESH")
+            row.operator("lissom.transfer_parts", text="", icon="ADD").side = side.upper()
+            for place, part in enumerate(getattr(settings, f"{side}_parts")):
+                row = layout.row(align=True)
+                split_column(row).prop(part, "object", text=" ", icon="OUTLINER_OB_MESH")
+                remove = row.operator("lissom.transfer_parts", text="", icon="REMOVE")
+                remove.side, remove.remove = side.upper(), place
+        self._draw_markers(layout, context)
         column = split_column(layout)
         column.prop(settings, "match_distance")
         for side in ("source", "target"):
@@ -94,14 +130,20 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         row = layout.row()
         row.scale_y = 1.4
         transfer = row.operator("lissom.transfer_keys", icon="SHAPEKEY_DATA")
-        transfer.exists, transfer.unmatched = settings.exists, settings.unmatched
-        transfer.drivers = settings.drivers
-        for name in FIT_OPTIONS:
+        for name in (*KEY_OPTIONS, *FIT_OPTIONS):
             setattr(transfer, name, getattr(settings, name))
         transfer.keys = "\n".join(row.name for row in settings.chosen) if settings.which == "SELECTED" else ""
         draw_progress(layout, "transfer")
+        self._draw_quality(layout, settings)
 
-    def _draw_markers(self, layout, settings):
+    def _needless(self, context):
+        try:
+            return bridge_markers.needless(*both_sides(context, "", ""))
+        except Refused:
+            return False
+
+    def _draw_markers(self, layout, context):
+        settings = context.scene.lissom_transfer
         layout.label(text=f"Markers: {len(settings.markers)}" if len(settings.markers) else "Markers:")
         row = layout.row()
         row.template_list("LISSOM_UL_markers", "", settings, "markers", settings, "active_marker", rows=4)
@@ -115,8 +157,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             row = layout.row(align=True)
             row.prop(active, "source", text="Source")
             row.prop(active, "target", text="Target")
-        both = settings.source, settings.target
-        if not len(settings.markers) and all(both) and bridge_markers.needless(*both):
+        if not len(settings.markers) and self._needless(context):
             draw_lines(layout, "CHECKMARK", "Both have the same faces: no markers are needed")
         elif len(settings.markers) < 3:
             draw_lines(
@@ -131,7 +172,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         memory = session.fit
         if memory is None or not settings.source or not settings.target:
             return
-        same = (memory.source, memory.target) == (settings.source.name, settings.target.name)
+        same = (memory.source[0], memory.target[0]) == (settings.source.name, settings.target.name)
         if same and memory.pairs == bridge_markers.of_scene(context.scene):
             draw_lines(layout, "CHECKMARK", memory.summary)
         elif same:
@@ -156,9 +197,20 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             row.operator("lissom.transfer_choose", text="All").action = "ALL"
             row.operator("lissom.transfer_choose", text="None").action = "NONE"
         column = split_column(layout)
-        column.prop(settings, "unmatched")
-        column.prop(settings, "exists")
-        column.prop(settings, "drivers")
+        for name in KEY_OPTIONS:
+            column.prop(settings, name)
+
+    def _draw_quality(self, layout, settings):
+        if not len(settings.quality):
+            return
+        row = layout.row()
+        row.label(text="Quality, the worst first:")
+        row.prop(settings, "quality_order", text="")
+        row = layout.row()
+        row.template_list(
+            "LISSOM_UL_quality", "", settings, "quality", settings, "active_quality", rows=5, sort_lock=True
+        )
+        row.operator("lissom.quality_save", text="", icon="EXPORT")
 
 
-classes = (LISSOM_UL_markers, LISSOM_UL_keys, LISSOM_MT_markers, LISSOM_PT_transfer)
+classes = (LISSOM_UL_markers, LISSOM_UL_quality, LISSOM_UL_keys, LISSOM_MT_markers, LISSOM_PT_transfer)

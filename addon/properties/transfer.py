@@ -2,6 +2,7 @@
 
 import bpy
 from bpy.props import (
+    BoolProperty,
     CollectionProperty,
     EnumProperty,
     FloatProperty,
@@ -74,6 +75,33 @@ def drivers_property():
     )
 
 
+def contact_property():
+    """The option of the same name of lissom.Transfer."""
+    return BoolProperty(
+        name="Contact",
+        description="Where lids or lips come together on the source, they do so on the target: for targets "
+        "whose eyes or mouth are much wider. Takes longer",
+    )
+
+
+def drop_empty_property():
+    """Whether keys that move nothing are left out."""
+    return BoolProperty(
+        name="Drop Empty",
+        description="Leave out shape keys that do not move the target. Further objects of the target get "
+        "only those that move them in any case",
+    )
+
+
+def check_property():
+    """Whether the quality of each key is found."""
+    return BoolProperty(
+        name="Check Quality",
+        description="Carry every key back to the source as well, and list which of them deserve a look",
+        default=True,
+    )
+
+
 def _is_mesh(_, obj):
     return obj.type == "MESH"
 
@@ -86,10 +114,43 @@ class LissomMarker(bpy.types.PropertyGroup):
     target: IntProperty(name="Target Vertex", description="Index of the vertex on the target mesh", min=0)
 
 
+class LissomPart(bpy.types.PropertyGroup):
+    """A further object of the source or the target."""
+
+    object: PointerProperty(type=bpy.types.Object, poll=_is_mesh, name="Object")
+
+
+class LissomKeyQuality(bpy.types.PropertyGroup):
+    """What the last transfer said about one shape key; see lissom.Transfer.quality."""
+
+    name: StringProperty(name="Shape Key")
+    round_trip: FloatProperty(
+        name="Round Trip", description="Error after carrying the key back, of its own size", subtype="FACTOR"
+    )
+    residual: FloatProperty(
+        name="Residual", description="How far the key is from what was asked of each face, of its own size"
+    )
+    flipped_triangles: IntProperty(name="Flipped", description="Triangles of the target that are turned over")
+    contacts: IntProperty(name="Contacts", description="Vertices of the target that meet another surface")
+    contact_gap: FloatProperty(
+        name="Gap",
+        description="How much wider apart they are than on the source, in percent of the target's size",
+    )
+    motion: FloatProperty(name="Motion", description="Largest motion, in percent of the target's size")
+
+
 class LissomKeyChoice(bpy.types.PropertyGroup):
     """The name of a shape key that is ticked."""
 
     name: StringProperty(name="Shape Key")
+
+
+def _show_key(settings, _):
+    """The key of a row that is clicked becomes the active one of the target."""
+    row = settings.quality[settings.active_quality]
+    keys = settings.target.data.shape_keys if settings.target else None
+    if keys and row.name in keys.key_blocks:
+        settings.target.active_shape_key_index = keys.key_blocks.find(row.name)
 
 
 class LissomTransfer(bpy.types.PropertyGroup):
@@ -107,6 +168,8 @@ class LissomTransfer(bpy.types.PropertyGroup):
         name="Target",
         description="The mesh that receives the shape keys",
     )
+    source_parts: CollectionProperty(type=LissomPart)
+    target_parts: CollectionProperty(type=LissomPart)
     markers: CollectionProperty(type=LissomMarker)
     active_marker: IntProperty(name="Active Marker", options=set())
     which: EnumProperty(
@@ -124,9 +187,24 @@ class LissomTransfer(bpy.types.PropertyGroup):
     unmatched: unmatched_property()
     exists: exists_property("UPDATE")
     drivers: drivers_property()
+    contact: contact_property()
+    drop_empty: drop_empty_property()
+    check: check_property()
+    quality: CollectionProperty(type=LissomKeyQuality)
+    active_quality: IntProperty(name="Shape Key", options=set(), update=_show_key)
+    quality_order: EnumProperty(
+        name="Order",
+        description="What the table is sorted by, the worst first",
+        items=[
+            ("round_trip", "Round Trip", "Error after carrying the key back to the source"),
+            ("residual", "Residual", "How far the key is from what was asked of each face"),
+            ("flipped_triangles", "Flipped", "Faces that are turned over"),
+            ("contact_gap", "Gap", "Lids and lips that stay apart"),
+        ],
+    )
 
 
-classes = (LissomMarker, LissomKeyChoice, LissomTransfer)
+classes = (LissomMarker, LissomKeyChoice, LissomPart, LissomKeyQuality, LissomTransfer)
 
 
 def register():

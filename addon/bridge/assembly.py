@@ -1,0 +1,96 @@
+"""One side of a transfer: a mesh object, or several solved as one mesh, such as a face and its eyes."""
+
+import bpy
+import numpy as np
+
+from ..core import space
+from ..core.refused import Refused
+from . import groups
+from .checks import mesh_object
+from .meshes import Snapshot
+
+
+def objects_of(context, side, names):
+    """The mesh objects of one side, the main one first: by name, one a line, or as the scene has them."""
+    settings = context.scene.lissom_transfer
+    if names:
+        found = [mesh_object(name, context) for name in names.splitlines() if name]
+    else:
+        if getattr(settings, side) is None:
+            raise Refused(f"Choose the {side} object first")
+        chosen = [getattr(settings, side), *(row.object for row in getattr(settings, f"{side}_parts"))]
+        found = [mesh_object(obj.name, context) for obj in chosen if obj is not None]
+    return list(dict.fromkeys(found))
+
+
+def both_sides(context, source, target):
+    """The objects of source and target; no object may be on both."""
+    sides = [objects_of(context, *side) for side in (("source", source), ("target", target))]
+    both = [obj.name for obj in sides[0] if obj in sides[1]]
+    if both:
+        raise Refused(f"Source and target are the same object, '{both[0]}': choose two")
+    return sides
+
+
+class Assembly:
+    """Mesh objects as one mesh, in the solve space of the first: its location is the origin."""
+
+    def __init__(self, objects):
+        self.parts = [Snapshot.of(obj, space.linear_part(obj.matrix_world, obj.name)) for obj in objects]
+        places = np.array([obj.matrix_world.translation for obj in objects], dtype=np.float64)
+        self._offsets = places - places[0]
+        counts = [len(part.vertices) for part in self.parts]
+        self._starts = np.concatenate([[0], np.cumsum(counts)])
+
+    @property
+    def name(self):
+        """Of the first object."""
+        return self.parts[0].name
+
+    @property
+    def names(self):
+        """Of all objects."""
+        return [part.name for part in self.parts]
+
+    def objects(self):
+        """The objects as they are now; for use in the same breath."""
+        return [bpy.data.objects[name] for name in self.names]
+
+    def find(self):
+        """The objects again, or Refused where one is gone or was remodelled meanwhile (row 42)."""
+        return [part.find() for part in self.parts]
+
+    def into(self, positions):
+        """One (n, 3) array in solve space from those of each part in its object's coordinates."""
+        rows = zip(self.parts, self._offsets, positions, strict=True)
+        return np.concatenate([space.into(part.linear, own) + offset for part, offset, own in rows])
+
+    def rest(self):
+        """(n, 3): all vertices at rest, in solve space."""
+        return self.into([part.vertices for part in self.parts])
+
+    def back(self, deltas):
+        """For each part its own rows of displacements (n, 3), in its object's coordinates."""
+        rows = np.split(deltas, self._starts[1:-1])
+        return [space.back(part.linear, own) for part, own in zip(self.parts, rows, strict=True)]
+
+    def split(self, values):
+        """For each part its own rows of something per vertex."""
+        return np.split(values, self._starts[1:-1])
+
+    def geometry(self):
+        """(vertices, triangles) in solve space."""
+        triangles = [
+            space.outward(part.linear, part.triangles) + start
+            for part, start in zip(self.parts, self._starts[:-1], strict=True)
+        ]
+        return self.rest(), np.concatenate(triangles).astype(np.int32)
+
+    def mask(self, group):
+        """The vertices of a vertex group that one object has, or several; Refused where none has (row 25)."""
+        found = [
+            groups.members(obj, [group])[group] + start
+            for obj, start in zip(self.objects(), self._starts[:-1], strict=True)
+            if group in obj.vertex_groups
+        ]
+        return np.concatenate(found) if found else groups.mask(self.objects()[0], group)

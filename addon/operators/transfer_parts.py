@@ -1,0 +1,95 @@
+"""Further objects of the source and the target, and the table of quality as a file."""
+
+import json
+import os
+
+import bpy
+from bpy.props import EnumProperty, IntProperty, StringProperty
+from bpy_extras.io_utils import ExportHelper
+
+from ..core.refused import Refused
+from .job import allowed, answering
+
+MEASURES = ("round_trip", "residual", "flipped_triangles", "contacts", "contact_gap", "motion")
+
+
+class LISSOM_OT_transfer_parts(bpy.types.Operator):
+    """Add the selected mesh objects to this side: eyes, teeth, lashes that are objects of their own"""
+
+    bl_idname = "lissom.transfer_parts"
+    bl_label = "Add Selected Objects"
+    bl_options = {"REGISTER", "UNDO"}
+
+    side: EnumProperty(
+        name="Side",
+        description="Which side they belong to",
+        items=[("SOURCE", "Source", "Where keys come from"), ("TARGET", "Target", "Where keys go to")],
+    )
+    remove: IntProperty(
+        name="Remove",
+        description="Place of the object to take away; -1: add the selected ones",
+        default=-1,
+        min=-1,
+        options={"SKIP_SAVE"},
+    )
+
+    @answering
+    def execute(self, context):
+        settings = context.scene.lissom_transfer
+        parts = getattr(settings, f"{self.side.lower()}_parts")
+        if self.remove >= 0:
+            if self.remove >= len(parts):
+                raise Refused(f"There is no further object {self.remove}: there are {len(parts)}")
+            parts.remove(self.remove)
+            return
+        rows = [*settings.source_parts, *settings.target_parts]
+        taken = {settings.source, settings.target, *(row.object for row in rows)}
+        new = [obj for obj in context.selected_objects if obj.type == "MESH" and obj not in taken]
+        if not new:
+            raise Refused(
+                f"Select mesh objects that go along with the {self.side.lower()}, such as eyes or teeth, "
+                "then press again"
+            )
+        if getattr(settings, self.side.lower()) is None:
+            raise Refused(f"Choose the {self.side.lower()} object first")
+        for obj in new:
+            parts.add().object = obj
+
+
+class LISSOM_OT_quality_save(ExportHelper, bpy.types.Operator):
+    """Write what was said about each transferred shape key to a JSON file"""
+
+    bl_idname = "lissom.quality_save"
+    bl_label = "Save Quality"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filename_ext = ".json"
+    filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context):
+        there = len(context.scene.lissom_transfer.quality)
+        return allowed(cls, "" if there else "Transfer with Check Quality first")
+
+    @answering
+    def execute(self, context):
+        path = bpy.path.abspath(self.filepath)
+        rows = quality_rows(context.scene)
+        try:
+            with open(path, "w", encoding="utf-8") as file:
+                json.dump({"keys": rows}, file, indent=1, ensure_ascii=False)
+        except OSError as error:
+            raise Refused(f"'{path}' cannot be written: {error.strerror}") from error
+        self.report({"INFO"}, f"{len(rows)} shape keys in {os.path.basename(path)}")
+
+
+def quality_rows(scene):
+    """The table of quality as dicts, the worst round trip first."""
+    rows = [
+        {"name": row.name, **{measure: getattr(row, measure) for measure in MEASURES}}
+        for row in scene.lissom_transfer.quality
+    ]
+    return sorted(rows, key=lambda row: -row["round_trip"])
+
+
+classes = (LISSOM_OT_transfer_parts, LISSOM_OT_quality_save)
