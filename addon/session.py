@@ -10,6 +10,7 @@ status = {}  # name of a mesh object -> (icon, text) about its live pose
 fit = None  # operators.transfer_fit.Memory: the last fit
 work = None  # core.work.Work that a modal operator runs now; there is at most one
 work_of = ""  # bl_idname of that operator
+shadings = {}  # (screen, place of the area) -> shading of a 3D view before the colours of a fit
 history = 0  # counts undo, redo and file loading
 
 
@@ -19,4 +20,5 @@ def clear():
     poses.clear()
     rebinding.clear()
     status.clear()
+    shadings.clear()
     fit = None

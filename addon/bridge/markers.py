@@ -49,6 +49,15 @@ def of_scene(scene):
     return [markers.Marker(row.name, row.source, row.target) for row in scene.lissom_transfer.markers]
 
 
+def append(scene, pairs):
+    """Adds pairs to the scene's list; the last becomes the active one."""
+    settings = scene.lissom_transfer
+    for marker in pairs:
+        row = settings.markers.add()
+        row.name, row.source, row.target = marker
+    settings.active_marker = len(settings.markers) - 1
+
+
 def file_warnings(loaded, source, target):
     """What a file's own vertex counts say against these objects."""
     return [

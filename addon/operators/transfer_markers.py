@@ -99,7 +99,7 @@ class LISSOM_OT_marker_add(bpy.types.Operator):
             number = len(known) + len(added) + 1
             added.append(markers.Marker(self.name or f"Marker {number}", source_vertex, target_vertex))
         markers.check(known + added, len(source.data.vertices), len(target.data.vertices))
-        _append(context.scene, added)
+        bridge_markers.append(context.scene, added)
 
 
 class LISSOM_OT_marker_remove(bpy.types.Operator):
@@ -198,7 +198,7 @@ class LISSOM_OT_marker_load(ImportHelper, bpy.types.Operator):
         for warning in bridge_markers.file_warnings(loaded, settings.source, settings.target):
             self.report({"WARNING"}, warning)
         settings.markers.clear()
-        _append(context.scene, loaded.pairs)
+        bridge_markers.append(context.scene, loaded.pairs)
         settings.active_marker = 0
         self.report({"INFO"}, f"{len(loaded.pairs)} marker pairs from {os.path.basename(self.filepath)}")
 
@@ -230,14 +230,6 @@ class LISSOM_OT_marker_save(ExportHelper, bpy.types.Operator):
         except OSError as error:
             raise Refused(f"Marker file '{path}' cannot be written: {error.strerror}") from error
         self.report({"INFO"}, f"{len(pairs)} marker pairs in {os.path.basename(path)}")
-
-
-def _append(scene, pairs):
-    settings = scene.lissom_transfer
-    for marker in pairs:
-        row = settings.markers.add()
-        row.name, row.source, row.target = marker
-    settings.active_marker = len(settings.markers) - 1
 
 
 classes = (

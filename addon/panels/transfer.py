@@ -3,10 +3,12 @@
 import bpy
 
 from .. import session
+from ..bridge import colours, shape_keys
 from ..bridge import markers as bridge_markers
-from ..bridge import shape_keys
 from ..bridge.assembly import both_sides
+from ..core.colours import LEGEND
 from ..core.refused import Refused
+from ..operators.transfer_show import LIMIT
 from .common import Sidebar, draw_lines, draw_progress, split_column
 
 
@@ -173,9 +175,19 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         if memory is None or not settings.source or not settings.target:
             return
         same = (memory.source[0], memory.target[0]) == (settings.source.name, settings.target.name)
-        if same and memory.pairs == bridge_markers.of_scene(context.scene):
+        if not same:
+            return
+        row = layout.row(align=True)
+        shown = any(map(colours.shown, filter(None, (settings.source, settings.target))))
+        row.operator(
+            "lissom.fit_show", text="Hide Fit" if shown else "Show Fit", icon="COLOR", depress=shown
+        ).show = not shown
+        row.operator("lissom.marker_suggest", icon="OUTLINER_OB_LIGHT")
+        if shown:
+            draw_lines(layout, "NONE", LEGEND.format(limit=100 * LIMIT))
+        if memory.pairs == bridge_markers.of_scene(context.scene):
             draw_lines(layout, "CHECKMARK", memory.summary)
-        elif same:
+        else:
             draw_lines(layout, "INFO", "The markers were changed since the last fit: Transfer fits again")
 
     def _draw_keys(self, layout, settings):

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-DATA = Path(os.environ.get("LISSOM_DATA", Path(__file__).parents[2] / "../shared/data")).resolve()
+DATA = Path(os.environ.get("LISSOM_DATA", Path(__file__).parents[1] / "../shared/data")).resolve()
 
 
 def load(name: str):

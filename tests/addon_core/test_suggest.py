@@ -1,0 +1,53 @@
+"""Where the next marker helps most: measured where the right correspondence is known."""
+
+import lissom
+import numpy as np
+from faces import root_mean_square, triangulate
+from lissom_addon_core.suggest import pieces, suggest
+
+FACE = 9409  # vertices of the face come first
+EXPRESSION = ("jawOpen", "mouthSmile_L", "browInnerUp_L", "browInnerUp_R", "eyeSquint_L", "cheekPuff_R")
+
+
+def test_two_suggested_markers_help_more_than_others(data):
+    archive = data("ict_face")
+    faces, other = (triangulate(archive["loops"], archive["counts"], turn=turn) for turn in (0, 1))
+    faces, other = faces[(faces < FACE).all(1)], other[(other < FACE).all(1)]
+    neutral = archive["neutral"][:FACE].astype(float)
+    names = archive["expression_names"].tolist()
+    known = neutral * [1.15, 0.9, 1] + 2 * archive["identities"][0][:FACE]
+    known = known + sum(archive["expressions"][names.index(name)][:FACE] for name in EXPRESSION)
+    source, target = lissom.Mesh(neutral, faces), lissom.Mesh(known, other)
+
+    def fitted(markers):
+        fit = lissom.fit_correspondence(source, target, np.column_stack([markers, markers]))
+        return fit, root_mean_square(fit.fitted_vertices - known)
+
+    first = list(archive["landmarks"][[8, 30, 36, 45]])
+    markers, (fit, before) = list(first), fitted(first)
+    for _ in range(2):
+        vertex, counterpart = suggest(fit, (neutral, faces), known, np.array(markers))
+        assert vertex not in markers and counterpart == np.argmin(
+            np.linalg.norm(known - fit.fitted_vertices[vertex], axis=1)
+        )
+        markers.append(vertex)
+        fit, after = fitted(markers)
+    random = np.random.default_rng(0)
+    others = [fitted([*first, *random.integers(FACE, size=2)])[1] for _ in range(5)]
+    assert after < 0.3 * before
+    assert after < 0.5 * np.median(others)
+
+
+def test_only_pieces_with_markers_and_free_vertices_are_suggested():
+    grid = np.array([[x, y, 0.2 * x * y] for x in range(4) for y in range(4)], float)
+    squares = [(4 * x + y, 4 * x + y + 1, 4 * x + y + 5, 4 * x + y + 4) for x in range(3) for y in range(3)]
+    faces = np.array([t for a, b, c, d in squares for t in ((a, b, c), (a, c, d))])
+    vertices = np.concatenate([grid, grid + [10, 0, 0]])
+    both = np.concatenate([faces, faces + 16])
+    assert len(set(pieces(32, both))) == 2 and len(set(pieces(40, both))) == 10
+    mesh = lissom.Mesh(vertices, both)
+    stretched = lissom.Mesh(vertices * [1, 3, 1], both[::-1])
+    fit = lissom.fit_correspondence(mesh, stretched, [(0, 0), (3, 3), (15, 15)], target_mask=[20])
+    vertex, _ = suggest(fit, (vertices, both), vertices * [1, 3, 1], np.array([0, 3, 15]))
+    assert vertex < 16 and vertex not in (0, 3, 15)
+    assert suggest(fit, (vertices, both), vertices, np.arange(16)) is None
