@@ -186,3 +186,50 @@ def test_a_transfer_prepared_in_the_background():
     there = lissom.start_transfer(mesh, mesh, SAME).result()
     assert np.array_equal(there.apply([key]).vertices, here)
     assert there.apply([]).vertices.shape == (0, len(VERTICES), 3)
+
+
+def spoiled(vertices, faces, how):
+    """A mesh with one fault of the table of bad inputs, in the same vertices or more."""
+    if how == "soup":
+        return vertices[faces.ravel()], np.arange(faces.size).reshape(-1, 3)
+    if how == "fin":
+        fin = [[faces[100, 0], faces[100, 1], len(vertices)]]
+        return np.concatenate([vertices, [vertices[faces[100, 0]] * 1.2]]), np.concatenate([faces, fin])
+    if how == "bow-tie":
+        tip = vertices[faces[100, 0]]
+        return np.concatenate([vertices, [tip * 1.1, tip * 1.1 + 0.1]]), np.concatenate(
+            [faces, [[faces[100, 0], len(vertices), len(vertices) + 1]]]
+        )
+    turned = faces.copy()
+    turned[100:130] = turned[100:130, ::-1]
+    return vertices, turned
+
+
+@pytest.mark.parametrize("side", ["source", "target"])
+@pytest.mark.parametrize(
+    ("how", "told"),
+    [("soup", "in the same place"), ("fin", "more than two"), ("bow-tie", "bow-tie"), ("winding", "wound")],
+)
+def test_rows_11_and_13_to_15_transfer_says_what_is_doubtful(how, told, side):
+    vertices, faces = tube(rows=30, columns=24)
+    whole, faulty = (vertices, faces), spoiled(vertices, faces, how)
+    ends = (faulty, whole) if side == "source" else (whole, faulty)
+    marked = np.arange(0, len(vertices), 31)
+    if how == "soup":
+        corner = np.array([np.flatnonzero(faces.ravel() == v)[0] for v in marked])
+        pairs = np.column_stack([corner, marked] if side == "source" else [marked, corner])
+    else:
+        pairs = np.column_stack([marked, marked])
+    source, target = (lissom.Mesh(*end) for end in ends)
+    fit = lissom.fit_correspondence(source, target, pairs)
+    assert any(line.startswith(f"{side}: ") and told in line for line in fit.report["warnings"])
+    key = ends[0][0] + 0.1 * np.sin(2 * ends[0][0])
+    transfer = lissom.Transfer(source, target, fit)
+    result = transfer.apply([key]).vertices
+    assert np.isfinite(result).all()
+    quality = transfer.quality([key], result)
+    assert all(np.isfinite(values).all() for values in quality.values())
+    if how != "soup":  # whose triangles all go their own way
+        known = ends[1][0] + 0.1 * np.sin(2 * ends[1][0])
+        off = np.linalg.norm(result[0] - known, axis=1)[: len(vertices)]
+        assert np.median(off) < 0.02 * 0.1

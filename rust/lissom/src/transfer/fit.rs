@@ -200,7 +200,10 @@ pub fn fit_correspondence(
     job: &Job,
 ) -> Result<Fit> {
     let start = Instant::now();
-    let mut warnings = Vec::new();
+    let doubts = |name: &str, mesh: &Mesh| -> Vec<String> {
+        mesh.warnings().iter().map(|warning| format!("{name}: {warning}")).collect()
+    };
+    let mut warnings = [doubts("source", source), doubts("target", target)].concat();
     options.check()?;
     let markers = &markers
         .iter()
@@ -211,7 +214,7 @@ pub fn fit_correspondence(
         && source.rest().len() == target.rest().len()
     {
         job.check()?;
-        return Ok(same(source, target));
+        return Ok(same(source, target, warnings));
     }
     let points: Vec<Vec3> = options.points.iter().map(|&p| target.frame().to_unit(p)).collect();
     let markers = markers::check(source, target, markers, &points, &mut warnings)?;
@@ -229,7 +232,7 @@ pub fn fit_correspondence(
 }
 
 /// The fit of a mesh onto one of the same vertices and triangles: each belongs to its own like.
-fn same(source: &Mesh, target: &Mesh) -> Fit {
+fn same(source: &Mesh, target: &Mesh, warnings: Vec<String>) -> Fit {
     let ids = |(&s, &t): (&u32, &u32)| [s, t];
     let pairs = source.triangle_ids().iter().zip(target.triangle_ids()).map(ids).collect();
     let corners = |mesh: &Mesh| {
@@ -251,7 +254,7 @@ fn same(source: &Mesh, target: &Mesh) -> Fit {
         image_distances: vec![0.0; n],
         stretch: vec![1.0; source.input_triangles()],
         flipped: Vec::new(),
-        report: FitReport::default(),
+        report: FitReport { warnings, ..FitReport::default() },
     }
 }
 
