@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import commands, ghost, live, rebind
+from . import commands, ghost, live, marks, rebind
 from .operators import (
     inbetween_arcs,
     inbetween_bake,
@@ -14,6 +14,7 @@ from .operators import (
     transfer_keys,
     transfer_markers,
     transfer_parts,
+    transfer_pick,
     transfer_show,
 )
 from .panels import inbetween as inbetween_panel
@@ -30,6 +31,7 @@ _OPERATORS = (
     pose_apply,
     pose_bake,
     transfer_markers,
+    transfer_pick,
     transfer_fit,
     transfer_keys,
     transfer_parts,
@@ -48,11 +50,13 @@ def register():
         module.register()
     live.register()
     ghost.register()
+    marks.register()
     commands.register()
 
 
 def unregister():
     commands.unregister()
+    marks.unregister()
     ghost.unregister()
     rebind.unregister()
     live.unregister()

@@ -11,14 +11,15 @@ fit = None  # operators.transfer_fit.Memory: the last fit
 work = None  # core.work.Work that a modal operator runs now; there is at most one
 work_of = ""  # bl_idname of that operator
 shadings = {}  # (screen, place of the area) -> shading of a 3D view before the colours of a fit
+picking = None  # bridge.picking.Picking while markers are picked
 history = 0  # counts undo, redo and file loading
 
 
 def clear():
     """Forgets everything that belongs to a file."""
-    global fit
+    global fit, picking
     poses.clear()
     rebinding.clear()
     status.clear()
     shadings.clear()
-    fit = None
+    fit = picking = None

@@ -1,11 +1,15 @@
 """The marker pairs of a request: given as text, as a file, or in the scene's list."""
 
 import bpy
+import numpy as np
 
-from ..core import markers
-from ..core.refused import Refused
+from ..core import markers, marks
+from ..core.refused import Refused, first
 from .assembly import both_sides
-from .meshes import signature
+from .meshes import edge_signature, rest_place, rest_positions, signature
+
+SIDES = ("source", "target")
+UNKNOWN = "unknown"  # edges of a mesh that was not there when its markers were read
 
 
 def pair_of_objects(context, source, target):
@@ -15,15 +19,14 @@ def pair_of_objects(context, source, target):
 
 def gather(context, sources, targets, text, filepath):
     """The checked pairs (a list of core.markers.Marker) on the first objects of both sides, and warnings."""
-    source, target, warnings = sources[0], targets[0], []
+    source, target = sources[0], targets[0]
     if text and filepath:
         raise Refused("Give the markers as text or as a file, not both")
     if text or filepath:
         loaded = markers.loads(text) if text else markers.load(bpy.path.abspath(filepath))
-        pairs = loaded.pairs
-        warnings = file_warnings(loaded, source, target)
+        pairs, warnings = of_file(loaded, source, target)
     else:
-        pairs = of_scene(context.scene)
+        pairs, warnings = current(context.scene, source, target)
     if not pairs and not needless(sources, targets):
         raise Refused(
             "There are no markers: select one vertex on each mesh and press +, at least three times, "
@@ -45,27 +48,99 @@ def _alike(source, target):
 
 
 def of_scene(scene):
-    """The scene's list of pairs."""
-    return [markers.Marker(row.name, row.source, row.target) for row in scene.lissom_transfer.markers]
-
-
-def append(scene, pairs):
-    """Adds pairs to the scene's list; the last becomes the active one."""
-    settings = scene.lissom_transfer
-    for marker in pairs:
-        row = settings.markers.add()
-        row.name, row.source, row.target = marker
-    settings.active_marker = len(settings.markers) - 1
-
-
-def file_warnings(loaded, source, target):
-    """What a file's own vertex counts say against these objects."""
+    """The scene's list of pairs, as it stands there."""
+    rows = scene.lissom_transfer.markers
     return [
-        f"The markers were made for a {side} of {count} vertices, '{obj.name}' has {len(obj.data.vertices)}: "
-        "check where they lie"
-        for side, count, obj in (
-            ("source", loaded.source_vertices, source),
-            ("target", loaded.target_vertices, target),
-        )
-        if count is not None and obj is not None and count != len(obj.data.vertices)
+        markers.Marker(row.name, row.source, row.target, *map(row.place, SIDES), row.mirror) for row in rows
     ]
+
+
+def current(scene, source, target):
+    """The scene's pairs, found again by their places where a mesh was remodelled since; and warnings."""
+    settings, ends = scene.lissom_transfer, (source, target)
+    known = settings.source_edges, settings.target_edges
+    changed = [edges not in ("", edge_signature(obj.data)) for edges, obj in zip(known, ends, strict=True)]
+    return _found_again(of_scene(scene), ends, changed)
+
+
+def of_file(loaded, source, target):
+    """The pairs of a file, found again by their places where it counts other vertices; and warnings."""
+    ends, counts = (source, target), (loaded.source_vertices, loaded.target_vertices)
+    changed = [count not in (None, len(obj.data.vertices)) for count, obj in zip(counts, ends, strict=True)]
+    pairs, warnings = _found_again(loaded.pairs, ends, changed)
+    for side, obj, count, other in zip(SIDES, ends, counts, changed, strict=True):
+        if other and None in (marker.place(side) for marker in loaded.pairs):
+            warnings.append(
+                f"The markers were made for a {side} of {count} vertices, '{obj.name}' has "
+                f"{len(obj.data.vertices)}: check where they lie"
+            )
+    return pairs, warnings
+
+
+def _found_again(pairs, ends, changed):
+    pairs, warnings = list(pairs), []
+    for side, obj, other in zip(SIDES, ends, changed, strict=True):
+        placed = [number for number, marker in enumerate(pairs) if marker.place(side)]
+        if not other or not placed:
+            continue
+        vertices = rest_positions(obj.data)
+        found, away = marks.nearest(vertices, np.array([pairs[number].place(side) for number in placed]))
+        far = np.flatnonzero(away > marks.FAR * marks.diagonal(vertices))
+        if len(far):
+            lost = first(repr(pairs[placed[number]].name) for number in far)
+            raise Refused(
+                f"'{obj.name}' is not the mesh that these markers were placed on, or lost their places: "
+                f"{lost}. Correct or remove them, or choose the object they were made for"
+            )
+        new = [
+            pairs[number]._replace(**{side: vertex})
+            for number, vertex in zip(placed, found.tolist(), strict=True)
+        ]
+        if new != [pairs[number] for number in placed]:
+            warnings.append(
+                f"'{obj.name}' was remodelled since its markers were placed: each was put on the vertex "
+                "nearest to its place"
+            )
+        for number, marker in zip(placed, new, strict=True):
+            pairs[number] = marker
+    return pairs, warnings
+
+
+def placed(pairs, source, target):
+    """The pairs with the places that their vertices have now."""
+    ends = source.data, target.data
+    return [
+        marker._replace(
+            **{
+                f"{side}_place": rest_place(mesh, getattr(marker, side))
+                for side, mesh in zip(SIDES, ends, strict=True)
+            }
+        )
+        for marker in pairs
+    ]
+
+
+def append(scene, pairs, source, target):
+    """Adds pairs to the scene's list, the last as the active one; the others are found again first."""
+    known, _ = current(scene, source, target)
+    put(scene, known + list(pairs), source, target)
+    scene.lissom_transfer.active_marker = len(scene.lissom_transfer.markers) - 1
+
+
+def put(scene, pairs, source=None, target=None):
+    """Makes these pairs the scene's list, with their places now; without objects, with those given."""
+    settings = scene.lissom_transfer
+    rows, ends = settings.markers, (source, target)
+    if all(ends):
+        pairs = placed(pairs, *ends)
+    while len(rows) > len(pairs):
+        rows.remove(len(rows) - 1)
+    while len(rows) < len(pairs):
+        rows.add()
+    for row, marker in zip(rows, pairs, strict=True):
+        row.name, row.source, row.target, row.mirror = marker.name, *marker.vertices, marker.mirror
+        for side in SIDES:
+            row.put(side, marker.place(side))
+    for side, obj in zip(SIDES, ends, strict=True):
+        setattr(settings, f"{side}_edges", edge_signature(obj.data) if all(ends) else UNKNOWN)
+    settings.active_marker = max(0, min(settings.active_marker, len(rows) - 1))

@@ -22,6 +22,12 @@ def rest_positions(mesh):
     return positions(mesh.shape_keys.reference_key.points if mesh.shape_keys else mesh.vertices)
 
 
+def rest_place(mesh, vertex):
+    """(x, y, z) of one vertex at rest, or None where there is no such vertex."""
+    points = mesh.shape_keys.reference_key.points if mesh.shape_keys else mesh.vertices
+    return tuple(points[vertex].co) if vertex < len(points) else None
+
+
 def triangles(mesh):
     """(m, 3) int32: Blender's own triangulation of the faces."""
     mesh.calc_loop_triangles()
@@ -46,6 +52,14 @@ def signature(mesh):
     starts = np.empty(len(mesh.polygons), dtype=np.int32)
     mesh.polygons.foreach_get("loop_start", starts)
     return topology.signature(len(mesh.vertices), corners(mesh), starts)
+
+
+def edge_signature(mesh):
+    """The hash of the edges: unlike ``signature`` it is the same after flipping faces."""
+    ends = np.empty(2 * len(mesh.edges), dtype=np.int32)
+    mesh.edges.foreach_get("vertices", ends)
+    ends = np.sort(ends.reshape(-1, 2), axis=1)
+    return topology.signature(len(mesh.vertices), ends[np.lexsort(ends.T)], np.empty(0))
 
 
 def selected_vertices(obj):

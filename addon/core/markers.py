@@ -5,9 +5,12 @@ file is JSON::
 
     {"format": "lissom-markers", "version": 1,
      "source": {"name": "Face", "vertices": 26719}, "target": {"name": "Suzanne", "vertices": 507},
-     "pairs": [{"name": "tip of the nose", "source": 1834, "target": 92}]}
+     "pairs": [{"name": "tip of the nose", "source": 1834, "target": 92,
+                "source_place": [0.0, -1.2, 0.3], "target_place": [0.0, -0.9, 0.1]}]}
 
-``source`` and ``target`` of the whole are notes for the reader; only ``vertices`` is compared on loading.
+``source`` and ``target`` of the whole are notes for the reader; only ``vertices`` is compared on loading. The
+places, in the objects' own coordinates, may be missing; where the count of vertices has changed, markers are
+found again by them. ``"mirror": false`` says that a pair has no counterpart on the other side.
 
 Lists as published transfer codes have them are read too: a pair of vertices a line, counted from 0, with a
 comma, a colon or a space between, as in ``1834, 92``; a .cons file has their number in a line before them.
@@ -34,11 +37,27 @@ _STRING_OR_BRACKET = re.compile(r'"(?:[^"\\]|\\.)*+"|[\[\]{}]', re.DOTALL)
 
 
 class Marker(NamedTuple):
-    """One pair: a label and a vertex index on either mesh."""
+    """One pair: a label and a vertex index on either mesh.
+
+    Its places are those of the vertices at rest, in the objects' own coordinates, or None where unknown;
+    ``mirror`` says whether symmetry may complete it.
+    """
 
     name: str
     source: int
     target: int
+    source_place: tuple | None = None
+    target_place: tuple | None = None
+    mirror: bool = True
+
+    @property
+    def vertices(self):
+        """(source, target)."""
+        return self.source, self.target
+
+    def place(self, side):
+        """That of "source" or "target"."""
+        return self.source_place if side == "source" else self.target_place
 
 
 class MarkerFile(NamedTuple):
@@ -86,7 +105,7 @@ def dumps(pairs, source, target):
         "source": {"name": source[0], "vertices": source[1]},
         "target": {"name": target[0], "vertices": target[1]},
     }
-    lines = ",\n".join("  " + json.dumps(marker._asdict(), ensure_ascii=False) for marker in pairs)
+    lines = ",\n".join("  " + json.dumps(_row(marker), ensure_ascii=False) for marker in pairs)
     body = f"[\n{lines}\n ]" if pairs else "[]"
     return json.dumps(head, ensure_ascii=False, indent=1)[:-2] + f',\n "pairs": {body}\n}}\n'
 
@@ -136,6 +155,13 @@ def check(pairs, source_vertices, target_vertices):
                 )
 
 
+def _row(marker):
+    row = {name: value for name, value in marker._asdict().items() if value is not None}
+    if marker.mirror:
+        del row["mirror"]
+    return row
+
+
 def _listed(text):
     pairs, promised = [], None
     for number, line in enumerate(text.splitlines(), start=1):
@@ -176,6 +202,15 @@ def _is_index(value):
     return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 2**31
 
 
+def _is_place(value):
+    return (
+        isinstance(value, list)
+        and len(value) == 3
+        and all(isinstance(x, int | float) and not isinstance(x, bool) for x in value)
+        and all(abs(x) < 1e30 for x in value)
+    )
+
+
 def _pair(number, row):
     if not isinstance(row, dict):
         raise Refused(f'"pairs" entry {number} must be an object with "source" and "target"')
@@ -187,8 +222,18 @@ def _pair(number, row):
     name = row.get("name", f"Marker {number + 1}")
     if not isinstance(name, str):
         raise Refused(f'"pairs" entry {number}: "name" must be text, not {name!r:.40}')
+    places = [row.get(f"{side}_place") for side in ("source", "target")]
+    for side, place in zip(("source", "target"), places, strict=True):
+        if place is not None and not _is_place(place):
+            raise Refused(f'"pairs" entry {number}: "{side}_place" must be three numbers, not {place!r:.40}')
+    if not isinstance(row.get("mirror", True), bool):
+        raise Refused(f'"pairs" entry {number}: "mirror" must be true or false, not {row["mirror"]!r:.40}')
     return Marker(
-        name.encode(errors="ignore")[:MAX_BYTES].decode(errors="ignore"), row["source"], row["target"]
+        name.encode(errors="ignore")[:MAX_BYTES].decode(errors="ignore"),
+        row["source"],
+        row["target"],
+        *(None if place is None else tuple(map(float, place)) for place in places),
+        row.get("mirror", True),
     )
 
 

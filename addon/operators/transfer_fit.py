@@ -31,7 +31,7 @@ MARKER_FILE = {
 
 
 class Memory(NamedTuple):
-    """A fit with what it was made of: the digest for certainty, names and pairs for the panel."""
+    """A fit with what it was made of: the digest for certainty, names and pairs of vertices for the panel."""
 
     digest: str
     source: list
@@ -55,6 +55,8 @@ class Request:
     def __init__(self, operator, context):
         sources, targets = both_sides(context, operator.source, operator.target)
         self.source, self.target = Assembly(sources), Assembly(targets)
+        self._listed = bridge_markers.of_scene(context.scene)
+        self._own = not (operator.markers or operator.filepath)
         self.pairs, self.warnings = bridge_markers.gather(
             context, sources, targets, operator.markers, operator.filepath
         )
@@ -63,7 +65,7 @@ class Request:
             group = getattr(operator, f"{side}_mask")
             if group:
                 self.options[f"{side}_mask"] = getattr(self, side).mask(group)
-        markers = [(marker.source, marker.target) for marker in self.pairs]
+        markers = [marker.vertices for marker in self.pairs]
         self.markers = np.array(markers, dtype=np.int64).reshape(-1, 2)
 
     def geometry(self):
@@ -84,11 +86,15 @@ class Request:
         """The fit in memory, if it was made of just this."""
         return session.fit.fit if session.fit and session.fit.digest == self.digest() else None
 
-    def remember(self, fit):
-        """Keeps the fit for the next transfer."""
+    def remember(self, context, fit):
+        """Keeps the fit for the next transfer, and in the scene where its markers are now."""
+        vertices = [marker.vertices for marker in self.pairs]
         session.fit = Memory(
-            self.digest(), self.source.names, self.target.names, self.pairs, fit, summary(fit.report)
+            self.digest(), self.source.names, self.target.names, vertices, fit, summary(fit.report)
         )
+        if self._own and self._listed and self._listed == bridge_markers.of_scene(context.scene):
+            ends = self.source.objects()[0], self.target.objects()[0]
+            bridge_markers.put(context.scene, self.pairs, *ends)
 
 
 def ready(operator_class, context, keys=False):
@@ -142,7 +148,7 @@ class LISSOM_OT_transfer_fit(JobOperator, bpy.types.Operator):
     def finish(self, context, fit):
         self._request.source.find()
         self._request.target.find()
-        self._request.remember(fit)
+        self._request.remember(context, fit)
         for warning in [*self._request.warnings, *fit.report["warnings"]]:
             self.report({"WARNING"}, warning)
         self.report({"INFO"}, summary(fit.report))

@@ -120,7 +120,7 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
         sources, targets = request.source.find(), request.target.find()
         for target in targets:
             checks.require_writable(target)
-        request.remember(result.fit)
+        request.remember(context, result.fit)
         deltas = [{} for _ in targets]
         found = self._shapes.deltas(request.target.rest(), result.shapes)
         for name, delta in zip(self._settings, found, strict=True):

@@ -4,13 +4,13 @@ import os
 
 import bmesh
 import bpy
-from bpy.props import IntProperty, StringProperty
+from bpy.props import EnumProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ..bridge import markers as bridge_markers
 from ..bridge import meshes
-from ..core import markers
-from ..core.refused import Refused
+from ..core import markers, marks
+from ..core.refused import Refused, first
 from .job import allowed, answering
 
 SOURCE = {
@@ -93,13 +93,15 @@ class LISSOM_OT_marker_add(bpy.types.Operator):
             raise Refused(
                 f"{counts[0]} vertices are selected on each mesh: select one on each, or go to Edit Mode"
             )
-        known = bridge_markers.of_scene(context.scene)
+        known, warnings = bridge_markers.current(context.scene, source, target)
         added = []
         for source_vertex, target_vertex in zip(*sides, strict=True):
             number = len(known) + len(added) + 1
             added.append(markers.Marker(self.name or f"Marker {number}", source_vertex, target_vertex))
         markers.check(known + added, len(source.data.vertices), len(target.data.vertices))
-        bridge_markers.append(context.scene, added)
+        bridge_markers.append(context.scene, added, source, target)
+        for warning in warnings:
+            self.report({"WARNING"}, warning)
 
 
 class LISSOM_OT_marker_remove(bpy.types.Operator):
@@ -166,12 +168,10 @@ class LISSOM_OT_marker_show(bpy.types.Operator):
         settings = context.scene.lissom_transfer
         if self.index >= len(settings.markers):
             raise Refused(f"There is no marker {self.index}: the list holds {len(settings.markers)}")
-        row = settings.markers[self.index]
-        pairs = [(settings.source, row.source), (settings.target, row.target)]
-        markers.check(
-            [markers.Marker(row.name, row.source, row.target)], *(len(obj.data.vertices) for obj, _ in pairs)
-        )
-        for obj, vertex in pairs:
+        ends = settings.source, settings.target
+        marker = bridge_markers.current(context.scene, *ends)[0][self.index]
+        markers.check([marker], *(len(obj.data.vertices) for obj in ends))
+        for obj, vertex in zip(ends, marker.vertices, strict=True):
             meshes.select_only(obj, vertex)
         settings.active_marker = self.index
 
@@ -192,13 +192,13 @@ class LISSOM_OT_marker_load(ImportHelper, bpy.types.Operator):
         loaded = markers.load(bpy.path.abspath(self.filepath))
         if not loaded.pairs:
             raise Refused(f"Marker file '{self.filepath}' holds no pairs: the list stays as it is")
-        if settings.source and settings.target:
-            counts = [len(obj.data.vertices) for obj in (settings.source, settings.target)]
-            markers.check(loaded.pairs, *counts)
-        for warning in bridge_markers.file_warnings(loaded, settings.source, settings.target):
+        pairs, warnings, ends = loaded.pairs, [], (settings.source, settings.target)
+        if all(ends):
+            pairs, warnings = bridge_markers.of_file(loaded, *ends)
+            markers.check(pairs, *(len(obj.data.vertices) for obj in ends))
+        for warning in warnings:
             self.report({"WARNING"}, warning)
-        settings.markers.clear()
-        bridge_markers.append(context.scene, loaded.pairs)
+        bridge_markers.put(context.scene, pairs, *(ends if all(ends) else ()))
         settings.active_marker = 0
         self.report({"INFO"}, f"{len(loaded.pairs)} marker pairs from {os.path.basename(self.filepath)}")
 
@@ -223,13 +223,59 @@ class LISSOM_OT_marker_save(ExportHelper, bpy.types.Operator):
     def execute(self, context):
         source, target = bridge_markers.pair_of_objects(context, self.source, self.target)
         ends = [(obj.name, len(obj.data.vertices)) for obj in (source, target)]
-        pairs = bridge_markers.of_scene(context.scene)
+        pairs, warnings = bridge_markers.current(context.scene, source, target)
+        markers.check(pairs, *(count for _, count in ends))
+        pairs = bridge_markers.placed(pairs, source, target)
         path = bpy.path.abspath(self.filepath)
         try:
             markers.save(path, pairs, *ends)
         except OSError as error:
             raise Refused(f"Marker file '{path}' cannot be written: {error.strerror}") from error
+        for warning in warnings:
+            self.report({"WARNING"}, warning)
         self.report({"INFO"}, f"{len(pairs)} marker pairs in {os.path.basename(path)}")
+
+
+class LISSOM_OT_marker_mirror(bpy.types.Operator):
+    """Complete the pairs of one side of the face by their mirror images on the other.
+
+    Pairs whose mirror symbol is off, that lie in the middle or that have a counterpart stay alone"""
+
+    bl_idname = "lissom.marker_mirror"
+    bl_label = "Mirror Markers"
+    bl_options = {"REGISTER", "UNDO"}
+
+    axis: EnumProperty(
+        name="Axis",
+        description="Across which plane through the objects' origins",
+        items=[(axis, axis, f"Along the objects' own {axis}") for axis in "XYZ"],
+    )
+    source: StringProperty(**SOURCE)
+    target: StringProperty(**TARGET)
+
+    @classmethod
+    def poll(cls, context):
+        return _needs_markers(cls, context)
+
+    @answering
+    def execute(self, context):
+        ends = bridge_markers.pair_of_objects(context, self.source, self.target)
+        known, warnings = bridge_markers.current(context.scene, *ends)
+        counts = [len(obj.data.vertices) for obj in ends]
+        markers.check(known, *counts)
+        images = [
+            marks.mirrored(meshes.rest_positions(obj.data), [getattr(marker, side) for marker in known], axis)
+            for obj, side, axis in zip(ends, bridge_markers.SIDES, 2 * ["XYZ".index(self.axis)], strict=True)
+        ]
+        added, lost = marks.completed(known, *(found.tolist() for found in images))
+        if not added and lost:
+            raise Refused(f"No counterpart is on the other side of these: {first(map(repr, lost))}")
+        bridge_markers.append(context.scene, added, *ends)
+        if lost:
+            warnings.append(f"Without a counterpart on the other side: {first(map(repr, lost))}")
+        for warning in warnings:
+            self.report({"WARNING"}, warning)
+        self.report({"INFO"}, f"{len(added)} marker pairs added")
 
 
 classes = (
@@ -239,4 +285,5 @@ classes = (
     LISSOM_OT_marker_show,
     LISSOM_OT_marker_load,
     LISSOM_OT_marker_save,
+    LISSOM_OT_marker_mirror,
 )

@@ -86,7 +86,7 @@ class LISSOM_OT_marker_suggest(bpy.types.Operator):
     def execute(self, context):
         memory, source, target = _remembered()
         known = bridge_markers.of_scene(context.scene)
-        if known != memory.pairs or not known:
+        if not known or [marker.vertices for marker in known] != memory.pairs:
             raise Refused("The markers were changed since the last fit: press Fit again")
         counts = len(source.parts[0].vertices), len(target.parts[0].vertices)
         # Markers lie on the first object of each side.
@@ -99,7 +99,7 @@ class LISSOM_OT_marker_suggest(bpy.types.Operator):
             raise Refused("There is no vertex left that a marker would help")
         marker = markers.Marker(f"Suggested {len(known) + 1}", *found)
         markers.check([*known, marker], *counts)
-        bridge_markers.append(context.scene, [marker])
+        bridge_markers.append(context.scene, [marker], source.objects()[0], target.objects()[0])
         self.report({"INFO"}, "Look where the new marker lies on the target, and correct it")
 
 

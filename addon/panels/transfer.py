@@ -19,7 +19,11 @@ class LISSOM_UL_markers(bpy.types.UIList):
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
         row = layout.row(align=True)
-        row.prop(item, "name", text="", emboss=False, icon="PMARKER_ACT")
+        number = row.row()
+        number.ui_units_x = 1.2
+        number.label(text=str(index + 1))
+        row.prop(item, "name", text="", emboss=False)
+        row.prop(item, "mirror", text="", icon="MOD_MIRROR", emboss=False)
         row.operator("lissom.marker_show", text="", icon="RESTRICT_SELECT_OFF", emboss=False).index = index
 
 
@@ -146,13 +150,19 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
 
     def _draw_markers(self, layout, context):
         settings = context.scene.lissom_transfer
-        layout.label(text=f"Markers: {len(settings.markers)}" if len(settings.markers) else "Markers:")
+        row = layout.row(align=True)
+        row.label(text=f"Markers: {len(settings.markers)}" if len(settings.markers) else "Markers:")
+        row.operator(
+            "lissom.marker_pick", text="Pick", icon="EYEDROPPER", depress=session.picking is not None
+        )
+        row.prop(settings, "show_markers", text="", icon="HIDE_OFF" if settings.show_markers else "HIDE_ON")
         row = layout.row()
         row.template_list("LISSOM_UL_markers", "", settings, "markers", settings, "active_marker", rows=4)
         side = row.column(align=True)
         side.operator("lissom.marker_add", text="", icon="ADD")
         side.operator("lissom.marker_remove", text="", icon="REMOVE")
         side.separator()
+        side.operator("lissom.marker_mirror", text="", icon="MOD_MIRROR")
         side.menu("LISSOM_MT_markers", text="", icon="DOWNARROW_HLT")
         if settings.active_marker < len(settings.markers):
             active = settings.markers[settings.active_marker]
@@ -165,8 +175,8 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             draw_lines(
                 layout,
                 "INFO",
-                "Select both meshes, press Tab, click a vertex, Shift-click its counterpart on the other, "
-                "and press +. Ten or more pairs suit a face",
+                "Press Pick, then click a place on one mesh and the same place on the other. "
+                "Ten or more pairs suit a face",
             )
 
     def _draw_fit(self, layout, context):
@@ -185,7 +195,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         row.operator("lissom.marker_suggest", icon="OUTLINER_OB_LIGHT")
         if shown:
             draw_lines(layout, "NONE", LEGEND.format(limit=100 * LIMIT))
-        if memory.pairs == bridge_markers.of_scene(context.scene):
+        if memory.pairs == [(row.source, row.target) for row in settings.markers]:
             draw_lines(layout, "CHECKMARK", memory.summary)
         else:
             draw_lines(layout, "INFO", "The markers were changed since the last fit: Transfer fits again")

@@ -6,10 +6,14 @@ from bpy.props import (
     CollectionProperty,
     EnumProperty,
     FloatProperty,
+    FloatVectorProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
 )
+
+from ..bridge.meshes import rest_place
+from ..bridge.screen import redraw_views
 
 EXISTS_ITEMS = [
     ("UPDATE", "Update", "Write over a shape key of the same name"),
@@ -106,12 +110,48 @@ def _is_mesh(_, obj):
     return obj.type == "MESH"
 
 
+def _place(side):
+    """Keeps the place of a vertex whose number was changed by hand."""
+
+    def update(row, _):
+        obj = getattr(row.id_data.lissom_transfer, side)
+        row.put(side, rest_place(obj.data, getattr(row, side)) if obj else None)
+        redraw_views()
+
+    return update
+
+
 class LissomMarker(bpy.types.PropertyGroup):
-    """One marker pair."""
+    """One marker pair; its places, of the vertices at rest, survive edits of the meshes."""
 
     name: StringProperty(name="Name", description="What this place is, such as: left corner of the mouth")
-    source: IntProperty(name="Source Vertex", description="Index of the vertex on the source mesh", min=0)
-    target: IntProperty(name="Target Vertex", description="Index of the vertex on the target mesh", min=0)
+    source: IntProperty(
+        name="Source Vertex", description="Index of the vertex on the source mesh", min=0,
+        update=_place("source"),
+    )  # fmt: skip
+    target: IntProperty(
+        name="Target Vertex", description="Index of the vertex on the target mesh", min=0,
+        update=_place("target"),
+    )  # fmt: skip
+    source_place: FloatVectorProperty(size=3)
+    target_place: FloatVectorProperty(size=3)
+    source_placed: BoolProperty()
+    target_placed: BoolProperty()
+    mirror: BoolProperty(
+        name="Symmetric",
+        description="Complete this pair on the other side when Mirror is pressed",
+        default=True,
+    )
+
+    def place(self, side):
+        """(x, y, z) at rest on "source" or "target", in the object's coordinates, or None."""
+        return tuple(getattr(self, f"{side}_place")) if getattr(self, f"{side}_placed") else None
+
+    def put(self, side, place):
+        """Keeps a place, or that there is none."""
+        setattr(self, f"{side}_placed", place is not None)
+        if place is not None:
+            setattr(self, f"{side}_place", place)
 
 
 class LissomPart(bpy.types.PropertyGroup):
@@ -171,6 +211,13 @@ class LissomTransfer(bpy.types.PropertyGroup):
     source_parts: CollectionProperty(type=LissomPart)
     target_parts: CollectionProperty(type=LissomPart)
     markers: CollectionProperty(type=LissomMarker)
+    source_edges: StringProperty(description="The hash of the source's edges when its markers were placed")
+    target_edges: StringProperty(description="The hash of the target's edges when its markers were placed")
+    show_markers: BoolProperty(
+        name="Show Markers",
+        description="Show the marker pairs as numbered dots on both meshes",
+        update=lambda settings, context: redraw_views(),
+    )
     active_marker: IntProperty(name="Active Marker", options=set())
     which: EnumProperty(
         name="Keys",

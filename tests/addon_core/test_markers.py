@@ -27,7 +27,7 @@ def test_the_file_is_plain_json_of_the_documented_form(tmp_path):
         "version": 1,
         "source": {"name": "Face", "vertices": 2000},
         "target": {"name": "Suzanne", "vertices": 507},
-        "pairs": [marker._asdict() for marker in PAIRS],
+        "pairs": [{"name": name, "source": a, "target": b} for name, a, b, *_ in PAIRS],
     }
 
 
@@ -154,3 +154,30 @@ def test_row_9_a_vertex_out_of_range_is_named_with_the_count():
     ):
         markers.check(pairs, 8, 3)
     markers.check(pairs, 8, 8)
+
+
+def test_places_and_symmetry_are_kept(tmp_path):
+    pairs = [
+        markers.Marker("nose", 1, 2, (0.1, -1.5, 1e-7), (3.0, 4.0, 5.0), False),
+        markers.Marker("chin", 3, 4),
+    ]
+    path = tmp_path / "markers.json"
+    markers.save(path, pairs, ("A", 10), ("B", 20))
+    assert markers.load(path).pairs == pairs
+    assert '"mirror"' not in path.read_text().splitlines()[-3]
+
+
+@pytest.mark.parametrize(
+    "spoiled",
+    [
+        '"source_place": [1, 2]',
+        '"source_place": [1, 2, "3"]',
+        '"target_place": [1, 2, 1e999]',
+        '"target_place": 7',
+        '"mirror": 1',
+    ],
+)
+def test_row_41_places_that_are_none(spoiled):
+    text = f'{{"format": "lissom-markers", "version": 1, "pairs": [{{"source": 1, "target": 2, {spoiled}}}]}}'
+    with pytest.raises(Refused, match='"pairs" entry 0: "'):
+        markers.loads(text)

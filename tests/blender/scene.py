@@ -134,7 +134,11 @@ def snapshot():
             _keys(obj) if obj.type == "MESH" else None,
         )
         for obj in bpy.data.objects
-    } | {"scene": [tuple(row.values()) for row in bpy.context.scene.lissom_transfer.markers]}
+    } | {"scene": [_marker(row) for row in bpy.context.scene.lissom_transfer.markers]}
+
+
+def _marker(row):
+    return row.name, row.source, row.target, row.mirror, row.place("source"), row.place("target")
 
 
 def _keys(obj):

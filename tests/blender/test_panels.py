@@ -215,7 +215,7 @@ def test_transfer_passes_its_settings_on(panels):
     settings.source, settings.target = source, target
     assert "no markers are needed" in text(draw(panels["transfer"]))
     settings.target = target = scene.tube(name="Finer", rings=61)
-    assert "press +" in text(draw(panels["transfer"]))
+    assert "Press Pick" in text(draw(panels["transfer"]))
     for vertex in range(3):
         bpy.ops.lissom.marker_add(source_vertex=vertex, target_vertex=vertex)
     settings.which, settings.exists = "SELECTED", "SKIP"
@@ -223,7 +223,7 @@ def test_transfer_passes_its_settings_on(panels):
     drawn = draw(panels["transfer"])
     (given,) = drawn["operators"]["lissom.transfer_keys"]
     assert (given["keys"], given["exists"]) == ("K", "SKIP")
-    assert "press +" not in text(drawn)
+    assert "Press Pick" not in text(drawn)
     assert "LISSOM_UL_keys" in drawn["classes"]
     bpy.ops.lissom.transfer_fit()
     assert "Fit: " in text(draw(panels["transfer"]))
