@@ -5,7 +5,7 @@ import re
 import numpy as np
 
 FAR = 0.02  # of the mesh's diagonal: a place this far from every vertex is no longer on the mesh
-MIDDLE = 0.005  # of the diagonal: this near to the plane of symmetry a marker is its own image
+MIDDLE = 0.01  # of the diagonal: this near to the plane of symmetry a marker is its own image
 
 _SIDE = re.compile(r"(?<![^\W\d_])(left|right|l|r)(?![^\W\d_])", re.IGNORECASE)
 _OTHER = {"left": "right", "right": "left", "l": "r", "r": "l"}
