@@ -152,6 +152,7 @@ def start_fit(
 
 class Transferred:
     vertices: NDArray[np.float64]
+    report: dict[str, float]
 
 class Transfer:
     def __init__(

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use lissom::transfer::{
-    Correspondence, Fit, FitOptions, FitReport, Image, KeyQuality, Transfer, TransferOptions, Unmatched,
-    Weighting, fit_correspondence as fit,
+    Correspondence, Fit, FitOptions, FitReport, Image, KeyQuality, Transfer, TransferOptions, Transferred,
+    Unmatched, Weighting, fit_correspondence as fit,
 };
 use lissom::{Job, Mesh, Vec3};
 use pyo3::prelude::*;
@@ -197,16 +197,21 @@ fn start_fit(
     PyJob::start(fit_work(source, target, markers, options)?, fitted)
 }
 
-/// Shapes carried over: `vertices` (k, n_target, 3) float64 in the target's units.
+/// Shapes carried over: `vertices` (k, n_target, 3) float64 in the target's units, and `report`, a dict: the
+/// "seconds" it took and how many "solve_seconds" of them went into back-substitution.
 #[pyclass(name = "Transferred", module = "lissom", frozen, get_all)]
 pub struct PyTransferred {
     vertices: Py<PyAny>,
+    report: Py<PyDict>,
 }
 
-fn transferred(target: Arc<Mesh>) -> impl FnOnce(Python<'_>, Vec<Vec<Vec3>>) -> PyResult<Py<PyAny>> {
-    move |py, poses| {
-        let vertices = arrays::from_poses(py, &poses, target.vertices().len())?;
-        Ok(Py::new(py, PyTransferred { vertices })?.into_any())
+fn transferred(target: Arc<Mesh>) -> impl FnOnce(Python<'_>, Transferred) -> PyResult<Py<PyAny>> {
+    move |py, result| {
+        let vertices = arrays::from_poses(py, &result.poses, target.vertices().len())?;
+        let report = PyDict::new(py);
+        report.set_item("seconds", result.time.as_secs_f64())?;
+        report.set_item("solve_seconds", result.solve_time.as_secs_f64())?;
+        Ok(Py::new(py, PyTransferred { vertices, report: report.unbind() })?.into_any())
     }
 }
 
@@ -224,7 +229,7 @@ fn transferred(target: Arc<Mesh>) -> impl FnOnce(Python<'_>, Vec<Vec<Vec3>>) -> 
 pub struct PyTransfer(Arc<Transfer>);
 
 impl PyTransfer {
-    fn work(&self, poses: &Bound<'_, PyAny>) -> PyResult<Work<Vec<Vec<Vec3>>>> {
+    fn work(&self, poses: &Bound<'_, PyAny>) -> PyResult<Work<Transferred>> {
         let poses = arrays::poses("poses", poses, self.0.source().vertices().len())?;
         let transfer = self.0.clone();
         Ok(Box::new(move |job| transfer.apply(&poses, job)))

@@ -12,6 +12,8 @@
 //! The unknown is the displacement, `L d = div (C - I)`: where nothing is asked for, nothing moves,
 //! to the last bit.
 
+use std::time::{Duration, Instant};
+
 use rayon::prelude::*;
 
 use crate::linear::{Columns, ConstrainedSystem, Constraints, SymmetricMatrix};
@@ -73,13 +75,14 @@ impl Stitcher {
         displacements.copy_from_slice(&block.vectors(0));
     }
 
-    /// Many sets of targets at once: three columns of `displacements` for each.
+    /// Many sets of targets at once: three columns of `displacements` for each. Returns how long the
+    /// back-substitution took.
     pub fn solve_block<T: AsRef<[Mat3]> + Sync>(
         &self,
         mesh: &Mesh,
         targets: &[T],
         displacements: &mut Columns,
-    ) {
+    ) -> Duration {
         assert_eq!(displacements.count(), 3 * targets.len(), "three columns per set of targets");
         let mut rhs = Columns::zeros(displacements.rows(), displacements.count());
         for (block, set) in targets.iter().enumerate() {
@@ -88,6 +91,8 @@ impl Stitcher {
                 rhs.set_vector(block, row, b);
             }
         }
+        let start = Instant::now();
         self.system.solve(&rhs, displacements);
+        start.elapsed()
     }
 }

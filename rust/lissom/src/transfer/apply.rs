@@ -9,6 +9,7 @@
 //! place ([`super::place`]). Displacements are solved for, so a key that moves nothing moves nothing.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
@@ -69,6 +70,17 @@ impl Default for TransferOptions {
 
 /// Longest `l`: it still says where a component is.
 const LONGEST: f64 = 1e3;
+
+/// Keys carried over.
+#[derive(Debug, Clone)]
+pub struct Transferred {
+    /// (k) sets of target positions in the target's units.
+    pub poses: Vec<Vec<Vec3>>,
+    /// How long all of it took.
+    pub time: Duration,
+    /// How long of it the back-substitution took, which no way of transfer with this system can do without.
+    pub solve_time: Duration,
+}
 
 /// A prepared transfer from one mesh to another: everything that does not depend on the key.
 pub struct Transfer {
@@ -169,20 +181,24 @@ impl Transfer {
     ///
     /// [`Error::InvalidValue`] for poses of another size than the source or with values that are not
     /// finite, [`Error::SolveFailed`] where the result is out of range, [`Error::Cancelled`].
-    pub fn apply(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<Vec<Vec<Vec3>>> {
+    pub fn apply(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<Transferred> {
+        let start = Instant::now();
         self.check(poses)?;
         // Once here, and once more for whoever takes them over.
         let bytes =
             2 * size_of::<Vec3>() as u128 * poses.len() as u128 * self.target.vertices().len() as u128;
         memory::check("the keys", bytes)?;
         let mut results = Vec::with_capacity(poses.len());
+        let mut solve_time = Duration::ZERO;
         for block in poses.chunks(KEYS_AT_ONCE) {
             job.report(results.len() as f64 / poses.len() as f64, "transfer");
             job.check()?;
-            results.extend(self.apply_block(block, job)?);
+            let (positions, solving) = self.apply_block(block, job)?;
+            results.extend(positions);
+            solve_time += solving;
         }
         job.report(1.0, "transfer");
-        Ok(results)
+        Ok(Transferred { poses: results, time: start.elapsed(), solve_time })
     }
 
     pub(super) fn check(&self, poses: &[Vec<Vec3>]) -> Result<()> {
@@ -202,7 +218,7 @@ impl Transfer {
         Ok(())
     }
 
-    fn apply_block(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<Vec<Vec<Vec3>>> {
+    fn apply_block(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<(Vec<Vec<Vec3>>, Duration)> {
         let keys: Vec<SourceKey> = poses.par_iter().map(|pose| SourceKey::of(&self.source, pose)).collect();
         let weigh = |(change, &weight): (Mat3, &f64)| Mat3::IDENTITY + change * weight;
         let moved: Vec<Vec<Vec3>> = keys.par_iter().map(|key| self.chooser.displacements(key)).collect();
@@ -217,11 +233,12 @@ impl Transfer {
                 block.set_vector(k, v as usize, to);
             }
         }
-        self.stitcher.solve_block(&self.target, &targets, &mut block);
+        let solving = self.stitcher.solve_block(&self.target, &targets, &mut block);
         job.check()?;
-        (keys.par_iter().zip(&moved).enumerate())
+        let positions = (keys.par_iter().zip(&moved).enumerate())
             .map(|(k, (key, moved))| self.finish(key, moved, block.vectors(k)))
-            .collect()
+            .collect::<Result<_>>()?;
+        Ok((positions, solving))
     }
 
     /// What comes together in a key.
@@ -317,7 +334,7 @@ mod tests {
         let rest = source.vertices().to_vec();
         for options in both_weightings() {
             let transfer = prepare(copy(&source), copy(&target), &pairs, options);
-            let result = transfer.apply(std::slice::from_ref(&rest), &Job::default()).unwrap();
+            let result = transfer.apply(std::slice::from_ref(&rest), &Job::default()).unwrap().poses;
             assert_eq!(result[0], target.vertices(), "to the last bit");
         }
     }
@@ -335,7 +352,7 @@ mod tests {
         let poses = [posed(&source, similarity), posed(&source, |p| p + shift)];
         for options in both_weightings() {
             let transfer = prepare(copy(&source), copy(&target), &pairs, options);
-            let results = transfer.apply(&poses, &Job::default()).unwrap();
+            let results = transfer.apply(&poses, &Job::default()).unwrap().poses;
             let scale = target.frame().scale;
             for &[i, j] in target.adjacency().edges() {
                 let edge = |x: &[Vec3]| x[j as usize] - x[i as usize];
@@ -359,7 +376,8 @@ mod tests {
         let partly = posed(&mesh, |p| p + Vec3::Z * 0.2 * (p.x - 0.5).max(0.0));
         for options in both_weightings() {
             let transfer = prepare(copy(&mesh), copy(&mesh), &same, options);
-            let results = transfer.apply(&[everywhere.clone(), partly.clone()], &Job::default()).unwrap();
+            let results =
+                transfer.apply(&[everywhere.clone(), partly.clone()], &Job::default()).unwrap().poses;
             for (result, pose) in results.iter().zip([&everywhere, &partly]) {
                 for (a, b) in result.iter().zip(pose) {
                     assert!((*a - *b).length() < 1e-8);
@@ -374,7 +392,8 @@ mod tests {
         let pose = posed(&source, |p| if p.x > 0.6 { p + Vec3::new(p.x - 0.6, 0.0, 0.3) } else { p });
         for options in both_weightings() {
             let transfer = prepare(copy(&source), copy(&target), &pairs, options);
-            let result = transfer.apply(std::slice::from_ref(&pose), &Job::default()).unwrap().remove(0);
+            let result =
+                transfer.apply(std::slice::from_ref(&pose), &Job::default()).unwrap().poses.remove(0);
             let moved = |v: usize| result[v] != target.vertices()[v];
             let behind = |v: usize| target.vertices()[v].x < 1.0;
             assert!((0..result.len()).filter(|&v| behind(v)).all(|v| !moved(v)));
@@ -391,7 +410,7 @@ mod tests {
         let turn = rotation::exp(Vec3::Z * 1.2);
         let pose = posed(&mesh, |p| turn * p);
         let transfer = prepare(copy(&mesh), copy(&mesh), &pairs, TransferOptions::default());
-        let result = transfer.apply(std::slice::from_ref(&pose), &Job::default()).unwrap().remove(0);
+        let result = transfer.apply(std::slice::from_ref(&pose), &Job::default()).unwrap().poses.remove(0);
         for (a, b) in result.iter().zip(&pose) {
             assert!((*a - *b).length() < 1e-6);
         }
@@ -412,7 +431,8 @@ mod tests {
             let options = TransferOptions { unmatched, ..Default::default() };
             let transfer = prepare(copy(&source), copy(&target), &pairs, options);
             assert!(transfer.warnings()[0].contains(text) && transfer.warnings()[0].contains("1 in all"));
-            let result = transfer.apply(std::slice::from_ref(&pose), &Job::default()).unwrap().remove(0);
+            let result =
+                transfer.apply(std::slice::from_ref(&pose), &Job::default()).unwrap().poses.remove(0);
             for (&moved, &rest) in result.iter().zip(target.vertices()).skip(36) {
                 let expected = if unmatched == Unmatched::Rest { rest } else { turn * rest + Vec3::X };
                 assert!((moved - expected).length() < 1e-8);

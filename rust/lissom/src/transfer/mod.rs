@@ -41,7 +41,7 @@ pub mod quality;
 #[cfg(test)]
 mod testing;
 
-pub use apply::{Transfer, TransferOptions, Unmatched, Weighting};
+pub use apply::{Transfer, TransferOptions, Transferred, Unmatched, Weighting};
 pub use correspondence::Correspondence;
 pub use fit::{Fit, FitOptions, FitReport, fit_correspondence};
 pub use image::Image;

@@ -46,7 +46,7 @@ impl Transfer {
         job.report(0.0, "round trip");
         let way_back =
             Self::new(self.target.clone(), self.source.clone(), &self.matches.reversed(), self.options, job)?;
-        let returned = way_back.apply(carried, job)?;
+        let returned = way_back.apply(carried, job)?.poses;
         job.report(0.5, "quality");
         job.check()?;
         let all = poses.par_iter().zip(carried).zip(&returned);
