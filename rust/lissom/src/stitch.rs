@@ -12,8 +12,6 @@
 //! The unknown is the displacement, `L d = div (C - I)`: where nothing is asked for, nothing moves,
 //! to the last bit.
 
-use std::time::{Duration, Instant};
-
 use rayon::prelude::*;
 
 use crate::linear::{Columns, ConstrainedSystem, Constraints, SymmetricMatrix};
@@ -70,29 +68,21 @@ impl Stitcher {
     ///
     /// `displacements` holds those of the fixed vertices and receives the others.
     pub fn solve(&self, mesh: &Mesh, targets: &[Mat3], displacements: &mut [Vec3]) {
+        let changes: Vec<Mat3> = targets.par_iter().map(|&c| c - Mat3::IDENTITY).collect();
         let mut block = Columns::from_vectors(displacements);
-        self.solve_block(mesh, &[targets], &mut block);
+        let mut rhs = Columns::zeros(block.rows(), 3);
+        self.ask(mesh, &changes, rhs.data_mut());
+        self.system.solve(&rhs, &mut block);
         displacements.copy_from_slice(&block.vectors(0));
     }
 
-    /// Many sets of targets at once: three columns of `displacements` for each. Returns how long the
-    /// back-substitution took.
-    pub fn solve_block<T: AsRef<[Mat3]> + Sync>(
-        &self,
-        mesh: &Mesh,
-        targets: &[T],
-        displacements: &mut Columns,
-    ) -> Duration {
-        assert_eq!(displacements.count(), 3 * targets.len(), "three columns per set of targets");
-        let mut rhs = Columns::zeros(displacements.rows(), displacements.count());
-        for (block, set) in targets.iter().enumerate() {
-            let asked: Vec<Mat3> = set.as_ref().par_iter().map(|&c| c - Mat3::IDENTITY).collect();
-            for (row, b) in divergence(mesh.adjacency(), &self.hats, &asked).into_iter().enumerate() {
-                rhs.set_vector(block, row, b);
+    /// Writes the right-hand side `div (C - I)` for `changes`, one `C_t - I` per triangle, into three columns.
+    pub fn ask(&self, mesh: &Mesh, changes: &[Mat3], columns: &mut [f64]) {
+        let rows = divergence(mesh.adjacency(), &self.hats, changes);
+        for (axis, column) in columns.chunks_exact_mut(rows.len()).enumerate() {
+            for (value, row) in column.iter_mut().zip(&rows) {
+                *value = row[axis];
             }
         }
-        let start = Instant::now();
-        self.system.solve(&rhs, displacements);
-        start.elapsed()
     }
 }

@@ -141,7 +141,12 @@ fn blocks_of_right_hand_sides_agree_with_single_ones() {
     let stitcher = Stitcher::new(&mesh, pin(&mesh, &[3]), &Job::default()).unwrap();
     let n = mesh.vertices().len();
     let mut block = lissom::linear::Columns::zeros(n, 15);
-    stitcher.solve_block(&mesh, &sets, &mut block);
+    let mut rhs = lissom::linear::Columns::zeros(n, 15);
+    for (set, columns) in sets.iter().zip(rhs.data_mut().chunks_mut(3 * n)) {
+        let changes: Vec<Mat3> = set.iter().map(|&c| c - Mat3::IDENTITY).collect();
+        stitcher.ask(&mesh, &changes, columns);
+    }
+    stitcher.system().solve(&rhs, &mut block);
     for (k, set) in sets.iter().enumerate() {
         let mut single = vec![Vec3::ZERO; n];
         stitcher.solve(&mesh, set, &mut single);

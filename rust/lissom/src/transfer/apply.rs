@@ -20,7 +20,7 @@ use super::correspondence::Correspondence;
 use super::place::Placer;
 use crate::linear::{Columns, Constraints, REGULARIZED, SymmetricMatrix};
 use crate::stitch::Stitcher;
-use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, memory};
+use crate::{Error, Fault, Job, Mesh, Result, Vec3, memory};
 
 /// Keys solved together, between two looks at the job.
 const KEYS_AT_ONCE: usize = 8;
@@ -219,23 +219,31 @@ impl Transfer {
     }
 
     fn apply_block(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<(Vec<Vec<Vec3>>, Duration)> {
-        let keys: Vec<SourceKey> = poses.par_iter().map(|pose| SourceKey::of(&self.source, pose)).collect();
-        let weigh = |(change, &weight): (Mat3, &f64)| Mat3::IDENTITY + change * weight;
-        let moved: Vec<Vec<Vec3>> = keys.par_iter().map(|key| self.chooser.displacements(key)).collect();
-        let targets: Vec<Vec<Mat3>> = (keys.par_iter().zip(&moved))
-            .map(|(key, moved)| self.chooser.changes(&self.target, key, moved))
-            .map(|changes| changes.into_iter().zip(&self.weights).map(weigh).collect())
+        let n = self.target.vertices().len();
+        let mut rhs = Columns::zeros(n, 3 * poses.len());
+        let mut block = Columns::zeros(n, 3 * poses.len());
+        let columns = rhs.data_mut().par_chunks_mut(3 * n).zip(block.data_mut().par_chunks_mut(3 * n));
+        let keys: Vec<(SourceKey, Vec<Vec3>)> = poses
+            .par_iter()
+            .zip(columns)
+            .map(|(pose, (rhs, given))| {
+                let key = SourceKey::of(&self.source, pose);
+                let moved = self.chooser.displacements(&key);
+                let mut changes = self.chooser.changes(&self.target, &key, &moved);
+                changes.iter_mut().zip(&self.weights).for_each(|(change, &weight)| *change *= weight);
+                self.stitcher.ask(&self.target, &changes, rhs);
+                for (v, to) in self.anchors.targets(&self.target, &self.chooser, &moved) {
+                    (0..3).for_each(|axis| given[axis * n + v as usize] = to[axis]);
+                }
+                (key, moved)
+            })
             .collect();
         job.check()?;
-        let mut block = Columns::zeros(self.target.vertices().len(), 3 * poses.len());
-        for (k, moved) in moved.iter().enumerate() {
-            for (v, to) in self.anchors.targets(&self.target, &self.chooser, moved) {
-                block.set_vector(k, v as usize, to);
-            }
-        }
-        let solving = self.stitcher.solve_block(&self.target, &targets, &mut block);
+        let start = Instant::now();
+        self.stitcher.system().solve(&rhs, &mut block);
+        let solving = start.elapsed();
         job.check()?;
-        let positions = (keys.par_iter().zip(&moved).enumerate())
+        let positions = (keys.par_iter().enumerate())
             .map(|(k, (key, moved))| self.finish(key, moved, block.vectors(k)))
             .collect::<Result<_>>()?;
         Ok((positions, solving))

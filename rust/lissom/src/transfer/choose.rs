@@ -19,46 +19,55 @@ const STILL: f64 = 1e-7;
 /// An image is sound while its area, against that of the triangle, is within this factor of the usual.
 const MOST_STRETCHED: f64 = 30.0;
 
+/// Elements a task takes at least.
+const GRAIN: usize = 4096;
+
+/// Areas below are no triangles, in unit coordinates.
+const FLAT: f64 = 1e-20;
+
 /// Holds a patch that nothing surrounds; far below any coupling.
 const GROUND: f64 = 1e-9;
 
 /// What one key does to the source.
-pub struct SourceKey {
+pub struct SourceKey<'a> {
+    source: &'a Mesh,
     /// Displacement of each vertex, in unit coordinates; exactly zero where it does not move.
     pub displacement: Vec<Vec3>,
-    /// `Q_s - I` of each triangle; exactly zero where it does not move.
-    pub change: Vec<Mat3>,
-    /// Displacement of each triangle's centroid, in unit coordinates; exactly zero likewise.
-    pub shift: Vec<Vec3>,
-    /// Whether each triangle moves.
-    pub moves: Vec<bool>,
 }
 
-impl SourceKey {
+impl<'a> SourceKey<'a> {
     /// Reads a key off `posed`, (n) positions in the source's own units.
-    pub fn of(source: &Mesh, posed: &[Vec3]) -> Self {
+    pub fn of(source: &'a Mesh, posed: &[Vec3]) -> Self {
         let tolerance = STILL * source.frame().scale;
-        let vertices = source.vertices();
-        let displacement: Vec<Vec3> = posed
-            .iter()
-            .zip(vertices)
-            .map(|(&p, &v)| {
-                let d = p - v;
-                if d.abs().max_element() > tolerance { d / source.frame().scale } else { Vec3::ZERO }
-            })
-            .collect();
-        let rest = source.rest();
-        let per_triangle = source.triangles().par_iter().map(|t| {
-            let d = t.map(|v| displacement[v as usize]);
-            if d.iter().all(|&d| d == Vec3::ZERO) {
-                return (Mat3::ZERO, (Vec3::ZERO, false));
-            }
-            let rest = t.map(|v| rest[v as usize]);
-            let posed = [rest[0] + d[0], rest[1] + d[1], rest[2] + d[2]];
-            (similar_gradient(rest, posed) - Mat3::IDENTITY, ((d[0] + d[1] + d[2]) / 3.0, true))
-        });
-        let (change, (shift, moves)) = per_triangle.unzip();
-        Self { displacement, change, shift, moves }
+        let moved = |(&p, &v): (&Vec3, &Vec3)| {
+            let d = p - v;
+            if d.abs().max_element() > tolerance { d / source.frame().scale } else { Vec3::ZERO }
+        };
+        Self { source, displacement: posed.iter().zip(source.vertices()).map(moved).collect() }
+    }
+
+    fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.source.triangles()[triangle as usize].map(|v| self.displacement[v as usize])
+    }
+
+    /// Whether a triangle moves.
+    pub fn moves(&self, triangle: u32) -> bool {
+        self.corners(triangle) != [Vec3::ZERO; 3]
+    }
+
+    /// Displacement of a triangle's centroid, in unit coordinates; exactly zero where it does not move.
+    pub fn shift(&self, triangle: u32) -> Vec3 {
+        self.corners(triangle).iter().sum::<Vec3>() / 3.0
+    }
+
+    /// `Q_s - I` of a triangle; exactly zero where it does not move.
+    fn change(&self, triangle: u32) -> Mat3 {
+        let d = self.corners(triangle);
+        if d == [Vec3::ZERO; 3] {
+            return Mat3::ZERO;
+        }
+        let rest = self.source.triangles()[triangle as usize].map(|v| self.source.rest()[v as usize]);
+        similar_gradient(rest, [rest[0] + d[0], rest[1] + d[1], rest[2] + d[2]]) - Mat3::IDENTITY
     }
 }
 
@@ -76,14 +85,45 @@ fn similar_gradient(rest: [Vec3; 3], posed: [Vec3; 3]) -> Mat3 {
     }
 }
 
+/// A triangle prepared for [`similar_gradient`] of many poses.
+struct Frame {
+    edges: [Vec3; 2],
+    /// Dual to the edges within the plane.
+    duals: [Vec3; 2],
+    normal: Vec3,
+    double_area: f64,
+}
+
+impl Frame {
+    fn of([a, b, c]: [Vec3; 3]) -> Self {
+        let edges = [b - a, c - a];
+        let cross = edges[0].cross(edges[1]);
+        let double_area = cross.length();
+        let normal = cross / double_area;
+        let duals = [edges[1].cross(normal) / double_area, normal.cross(edges[0]) / double_area];
+        Self { edges, duals, normal, double_area }
+    }
+
+    /// [`similar_gradient`] less the identity, where the corners move by `d`.
+    fn change(&self, [a, b, c]: [Vec3; 3]) -> Mat3 {
+        let moved = [b - a, c - a];
+        let cross = (self.edges[0] + moved[0]).cross(self.edges[1] + moved[1]);
+        let stretch = (cross.length() * self.double_area).sqrt();
+        let normal = if stretch > 0.0 { cross / stretch } else { Vec3::ZERO };
+        outer(moved[0], self.duals[0])
+            + outer(moved[1], self.duals[1])
+            + outer(normal - self.normal, self.normal)
+    }
+}
+
 /// The images and matches of every target triangle, and the patches that have none.
 pub struct Chooser {
     /// The image of each target vertex: corners of the source triangle, and their weights.
     images: Vec<Option<([u32; 3], Image)>>,
     /// Where the images are at rest.
     points: Vec<Vec3>,
-    /// Target triangles whose image is a triangle like them.
-    sound: Vec<bool>,
+    /// The images of target triangles that are triangles like them.
+    sound: Vec<Option<Frame>>,
     start: Vec<u32>,
     matches: Vec<u32>,
     patches: Option<Patches>,
@@ -125,8 +165,11 @@ impl Chooser {
         let at = |v: u32| source.rest()[v as usize];
         let points = images.iter().map(|i| i.map_or(Vec3::ZERO, |(t, image)| image.blend(t.map(at))));
         let points = points.collect();
-        let mut chooser = Self { images, points, sound: vec![false; m], start, matches, patches: None };
-        chooser.sound = chooser.find_sound(source, target);
+        let mut chooser = Self { images, points, sound: Vec::new(), start, matches, patches: None };
+        let corners =
+            |(t, sound): (&[u32; 3], bool)| sound.then(|| Frame::of(t.map(|v| chooser.points[v as usize])));
+        let sound = chooser.find_sound(source, target);
+        chooser.sound = target.triangles().iter().zip(sound).map(corners).collect();
         chooser.patches = chooser.unmatched(target)?;
         Ok(chooser)
     }
@@ -151,7 +194,7 @@ impl Chooser {
         let sound = |(found, &area): (&Option<(f64, bool)>, &f64)| {
             found.is_some_and(|(image, faces)| {
                 let against = image / (area * usual);
-                faces && against > 1.0 / MOST_STRETCHED && against < MOST_STRETCHED
+                faces && image > FLAT && against > 1.0 / MOST_STRETCHED && against < MOST_STRETCHED
             })
         };
         found.iter().zip(target.areas()).map(sound).collect()
@@ -173,12 +216,12 @@ impl Chooser {
             Some((t, image)) => image.blend(t.map(|v| key.displacement[v as usize])),
             None => Vec3::ZERO,
         };
-        self.images.par_iter().map(of).collect()
+        self.images.par_iter().with_min_len(GRAIN).map(of).collect()
     }
 
     /// Whether something tells what a target triangle does.
     pub fn is_told(&self, triangle: usize) -> bool {
-        self.sound[triangle] || !self.matches(triangle).is_empty()
+        self.sound[triangle].is_some() || !self.matches(triangle).is_empty()
     }
 
     /// The source triangles matched with a target triangle.
@@ -217,21 +260,16 @@ impl Chooser {
 
     /// `C_t - I` of every target triangle, where the images have gone by `moved`.
     pub fn changes(&self, target: &Mesh, key: &SourceKey, moved: &[Vec3]) -> Vec<Mat3> {
-        let mut changes: Vec<Mat3> = (target.triangles().par_iter().enumerate())
-            .map(|(t, corners)| {
-                if self.sound[t] {
-                    let [d, rest] = [moved, &self.points].map(|of| corners.map(|v| of[v as usize]));
-                    if d == [Vec3::ZERO; 3] {
-                        return Mat3::ZERO;
-                    }
-                    let posed = [rest[0] + d[0], rest[1] + d[1], rest[2] + d[2]];
-                    return similar_gradient(rest, posed) - Mat3::IDENTITY;
-                }
-                let matches = self.matches(t);
-                let sum: Mat3 = matches.iter().map(|&s| key.change[s as usize]).sum();
-                sum * (1.0 / matches.len().max(1) as f64)
-            })
-            .collect();
+        let change = |(t, corners): (usize, &[u32; 3])| {
+            if let Some(frame) = &self.sound[t] {
+                let d = corners.map(|v| moved[v as usize]);
+                return if d == [Vec3::ZERO; 3] { Mat3::ZERO } else { frame.change(d) };
+            }
+            let matches = self.matches(t);
+            matches.iter().map(|&s| key.change(s)).sum::<Mat3>() * (1.0 / matches.len().max(1) as f64)
+        };
+        let mut changes: Vec<Mat3> =
+            target.triangles().par_iter().enumerate().with_min_len(GRAIN).map(change).collect();
         if let Some(patches) = &self.patches {
             patches.extend(&mut changes);
         }
@@ -243,8 +281,8 @@ impl Chooser {
     pub fn moves(&self, target: &Mesh, key: &SourceKey, moved: &[Vec3]) -> Vec<bool> {
         let mut moves: Vec<bool> = (target.triangles().iter().enumerate())
             .map(|(t, corners)| match self.sound[t] {
-                true => corners.iter().any(|&v| moved[v as usize] != Vec3::ZERO),
-                false => self.matches(t).iter().any(|&s| key.moves[s as usize]),
+                Some(_) => corners.iter().any(|&v| moved[v as usize] != Vec3::ZERO),
+                None => self.matches(t).iter().any(|&s| key.moves(s)),
             })
             .collect();
         if let Some(patches) = &self.patches {

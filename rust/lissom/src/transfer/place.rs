@@ -8,8 +8,6 @@
 //!   matched source triangles, times the size of the component over that of its matches.
 //! * A component without any match follows the nearest matched surface rigidly, or stays.
 
-use std::collections::VecDeque;
-
 use super::anchor::Anchors;
 use super::apply::Unmatched;
 use super::carry::Carry;
@@ -130,6 +128,7 @@ impl Placer {
     ) {
         let moves = chooser.moves(target, key, moved);
         let mut at_rest = vec![false; displacements.len()];
+        let mut all_still = Vec::new();
         for part in self.parts.iter().filter(|part| part.beside.is_none()) {
             for &v in &part.vertices {
                 let corners = target.adjacency().corners_of(v as usize);
@@ -146,8 +145,9 @@ impl Placer {
             for &v in &part.vertices {
                 displacements[v as usize] += shift;
             }
-            self.settle(&still, &at_rest, displacements);
+            all_still.extend(still);
         }
+        self.settle(&all_still, &at_rest, displacements);
         for part in &self.parts {
             if let Some(beside) = &part.beside {
                 part.follow(target, beside, displacements);
@@ -158,14 +158,10 @@ impl Placer {
     /// Puts the vertices at rest exactly there and smooths what that does to their surroundings:
     /// solves `L z = 0` for the correction `z` on a few rings, given on both of their rims.
     fn settle(&self, still: &[u32], at_rest: &[bool], displacements: &mut [Vec3]) {
-        let mut correction = vec![Vec3::ZERO; displacements.len()];
-        for &v in still {
-            correction[v as usize] = -displacements[v as usize];
-        }
         let band = self.band(still, at_rest);
-        self.relax(&band, &mut correction);
-        for &v in &band {
-            displacements[v as usize] += correction[v as usize];
+        let correction = self.relax(&band, at_rest, displacements);
+        for (&v, z) in band.iter().zip(correction) {
+            displacements[v as usize] += z;
         }
         for &v in still {
             displacements[v as usize] = Vec3::ZERO;
@@ -174,19 +170,19 @@ impl Placer {
 
     /// The vertices within [`RINGS`] of those at rest.
     fn band(&self, still: &[u32], at_rest: &[bool]) -> Vec<u32> {
-        let mut seen = std::collections::HashSet::new();
+        let mut seen = at_rest.to_vec();
         let mut band = Vec::new();
-        let mut queue: VecDeque<(u32, u32)> = still.iter().map(|&v| (v, 0)).collect();
-        while let Some((v, ring)) = queue.pop_front() {
-            if ring == RINGS {
-                continue;
-            }
-            for &(w, _) in self.row(v) {
-                if !at_rest[w as usize] && seen.insert(w) {
-                    band.push(w);
-                    queue.push_back((w, ring + 1));
+        let mut rim: Vec<u32> = still.to_vec();
+        for _ in 0..RINGS {
+            let begin = band.len();
+            for &v in &rim {
+                for &(w, _) in self.row(v) {
+                    if !std::mem::replace(&mut seen[w as usize], true) {
+                        band.push(w);
+                    }
                 }
             }
+            rim = band[begin..].to_vec();
         }
         band
     }
@@ -195,48 +191,62 @@ impl Placer {
         &self.row[self.start[v as usize] as usize..self.start[v as usize + 1] as usize]
     }
 
-    /// Conjugate gradients with Jacobi's preconditioner for `(L z)_v = 0` at every `v` of the band.
-    fn relax(&self, band: &[u32], z: &mut [Vec3]) {
-        let product =
-            |z: &[Vec3], v: u32| self.row(v).iter().fold(Vec3::ZERO, |sum, &(w, l)| sum + z[w as usize] * l);
-        let dot = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
-        let diagonal: Vec<f64> = band
-            .iter()
-            .map(|&v| {
-                self.row(v).iter().find(|(w, _)| *w == v).map_or(1.0, |(_, l)| l.max(f64::MIN_POSITIVE))
-            })
-            .collect();
-        let mut residual: Vec<Vec3> = band.iter().map(|&v| -product(z, v)).collect();
-        let precondition =
-            |r: &[Vec3]| -> Vec<Vec3> { r.iter().zip(&diagonal).map(|(&r, &d)| r / d).collect() };
-        let mut preconditioned = precondition(&residual);
-        let mut energy = dot(&residual, &preconditioned);
-        let enough = energy * SMOOTH * SMOOTH;
-        let mut direction = vec![Vec3::ZERO; z.len()];
-        for (&v, &p) in band.iter().zip(&preconditioned) {
-            direction[v as usize] = p;
+    /// Conjugate gradients with Jacobi's preconditioner for `(L z)_v = 0` at every `v` of the band; `z` is
+    /// minus the displacement at the vertices at rest, and zero beyond the band.
+    fn relax(&self, band: &[u32], at_rest: &[bool], displacements: &[Vec3]) -> Vec<Vec3> {
+        const OUTSIDE: u32 = u32::MAX;
+        let mut place = vec![OUTSIDE; displacements.len()];
+        (0u32..).zip(band).for_each(|(i, &v)| place[v as usize] = i);
+        let (mut start, mut inner) = (vec![0], Vec::new());
+        let mut diagonal = Vec::with_capacity(band.len());
+        let mut residual = Vec::with_capacity(band.len());
+        for &v in band {
+            let (mut asked, mut own) = (Vec3::ZERO, 1.0);
+            for &(w, l) in self.row(v) {
+                if w == v {
+                    own = l.max(f64::MIN_POSITIVE);
+                }
+                if at_rest[w as usize] {
+                    asked += displacements[w as usize] * l;
+                } else if place[w as usize] != OUTSIDE {
+                    inner.push((place[w as usize], l));
+                }
+            }
+            start.push(inner.len());
+            diagonal.push(own);
+            residual.push(asked);
         }
+        let row = |i: usize| &inner[start[i]..start[i + 1]];
+        let product =
+            |x: &[Vec3], i: usize| row(i).iter().fold(Vec3::ZERO, |sum, &(j, l)| sum + x[j as usize] * l);
+        let energy_of =
+            |r: &[Vec3]| r.iter().zip(&diagonal).map(|(r, d)| r.length_squared() / d).sum::<f64>();
+        let mut z = vec![Vec3::ZERO; band.len()];
+        let mut direction: Vec<Vec3> = residual.iter().zip(&diagonal).map(|(&r, &d)| r / d).collect();
+        let mut image = vec![Vec3::ZERO; band.len()];
+        let mut energy = energy_of(&residual);
+        let enough = energy * SMOOTH * SMOOTH;
         for _ in 0..ITERATIONS {
             if energy <= enough || energy == 0.0 {
                 break;
             }
-            let image: Vec<Vec3> = band.iter().map(|&v| product(&direction, v)).collect();
-            let along: f64 = band.iter().zip(&image).map(|(&v, q)| direction[v as usize].dot(*q)).sum();
+            image.iter_mut().enumerate().for_each(|(i, q)| *q = product(&direction, i));
+            let along: f64 = direction.iter().zip(&image).map(|(p, q)| p.dot(*q)).sum();
             if along <= 0.0 {
                 break;
             }
             let step = energy / along;
-            for ((&v, r), q) in band.iter().zip(&mut residual).zip(&image) {
-                z[v as usize] += direction[v as usize] * step;
-                *r -= *q * step;
+            for i in 0..band.len() {
+                z[i] += direction[i] * step;
+                residual[i] -= image[i] * step;
             }
-            preconditioned = precondition(&residual);
-            let next = dot(&residual, &preconditioned);
-            for (&v, &p) in band.iter().zip(&preconditioned) {
-                direction[v as usize] = p + direction[v as usize] * (next / energy);
+            let next = energy_of(&residual);
+            for i in 0..band.len() {
+                direction[i] = residual[i] / diagonal[i] + direction[i] * (next / energy);
             }
             energy = next;
         }
+        z
     }
 }
 
@@ -269,7 +279,7 @@ impl Part {
             if matches.is_empty() {
                 continue;
             }
-            let wanted = matches.iter().map(|&s| key.shift[s as usize]).sum::<Vec3>() / matches.len() as f64;
+            let wanted = matches.iter().map(|&s| key.shift(s)).sum::<Vec3>() / matches.len() as f64;
             let found = target.triangles()[t as usize].iter().map(|&v| d[v as usize]).sum::<Vec3>() / 3.0;
             let weight = target.areas()[t as usize].max(f64::MIN_POSITIVE);
             sum += (wanted * self.size - found) * weight;
