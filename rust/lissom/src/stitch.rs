@@ -78,7 +78,7 @@ impl Stitcher {
 
     /// Writes the right-hand side `div (C - I)` for `changes`, one `C_t - I` per triangle, into three columns.
     pub fn ask(&self, mesh: &Mesh, changes: &[Mat3], columns: &mut [f64]) {
-        let rows = divergence(mesh.adjacency(), &self.hats, changes);
+        let rows = divergence(mesh.triangles(), &self.hats, changes, mesh.rest().len());
         for (axis, column) in columns.chunks_exact_mut(rows.len()).enumerate() {
             for (value, row) in column.iter_mut().zip(&rows) {
                 *value = row[axis];

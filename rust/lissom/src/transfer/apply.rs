@@ -203,19 +203,19 @@ impl Transfer {
 
     pub(super) fn check(&self, poses: &[Vec<Vec3>]) -> Result<()> {
         let n = self.source.vertices().len();
-        for (k, pose) in poses.iter().enumerate() {
-            let fault = if pose.len() == n {
+        let fault = |(k, pose): (usize, &Vec<Vec3>)| {
+            if pose.len() == n {
                 let bad = pose.iter().enumerate().filter(|(_, p)| !p.is_finite()).map(|(v, _)| v);
                 Fault::at(format!("poses[{k}]"), "not finite", bad)
             } else {
                 let problem = format!("has {} vertices, the source has {n}", pose.len());
                 Some(Fault::new(format!("poses[{k}]"), problem))
-            };
-            if let Some(fault) = fault {
-                return Err(Error::InvalidValue(fault));
             }
+        };
+        match poses.par_iter().enumerate().find_map_first(fault) {
+            Some(fault) => Err(Error::InvalidValue(fault)),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     fn apply_block(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<(Vec<Vec<Vec3>>, Duration)> {

@@ -20,7 +20,7 @@ use crate::{Mesh, Vec3};
 const RINGS: u32 = 8;
 
 /// The drift is smoothed to this fraction, or for this many iterations of conjugate gradients.
-const SMOOTH: f64 = 1e-3;
+const SMOOTH: f64 = 1e-2;
 const ITERATIONS: usize = 40;
 
 /// What is needed to place the components of a target.
@@ -128,12 +128,13 @@ impl Placer {
     ) {
         let moves = chooser.moves(target, key, moved);
         let mut at_rest = vec![false; displacements.len()];
+        let found = self.parts.iter().filter(|part| part.beside.is_none());
+        found.flat_map(|part| &part.vertices).for_each(|&v| at_rest[v as usize] = true);
+        for (corners, _) in target.triangles().iter().zip(&moves).filter(|(_, moves)| **moves) {
+            corners.iter().for_each(|&v| at_rest[v as usize] = false);
+        }
         let mut all_still = Vec::new();
         for part in self.parts.iter().filter(|part| part.beside.is_none()) {
-            for &v in &part.vertices {
-                let corners = target.adjacency().corners_of(v as usize);
-                at_rest[v as usize] = corners.iter().all(|c| !moves[c.triangle as usize]);
-            }
             let still: Vec<u32> = part.vertices.iter().copied().filter(|&v| at_rest[v as usize]).collect();
             let shift = if part.anchored {
                 Vec3::ZERO
