@@ -223,19 +223,19 @@ impl Transfer {
         let mut rhs = Columns::zeros(n, 3 * poses.len());
         let mut block = Columns::zeros(n, 3 * poses.len());
         let columns = rhs.data_mut().par_chunks_mut(3 * n).zip(block.data_mut().par_chunks_mut(3 * n));
-        let keys: Vec<(SourceKey, Vec<Vec3>)> = poses
+        let keys: Vec<Moving> = poses
             .par_iter()
             .zip(columns)
             .map(|(pose, (rhs, given))| {
                 let key = SourceKey::of(&self.source, pose);
                 let moved = self.chooser.displacements(&key);
-                let mut changes = self.chooser.changes(&self.target, &key, &moved);
+                let (mut changes, moves) = self.chooser.changes(&self.target, &key, &moved);
                 changes.iter_mut().zip(&self.weights).for_each(|(change, &weight)| *change *= weight);
                 self.stitcher.ask(&self.target, &changes, rhs);
                 for (v, to) in self.anchors.targets(&self.target, &self.chooser, &moved) {
                     (0..3).for_each(|axis| given[axis * n + v as usize] = to[axis]);
                 }
-                (key, moved)
+                Moving { key, moved, moves }
             })
             .collect();
         job.check()?;
@@ -244,7 +244,7 @@ impl Transfer {
         let solving = start.elapsed();
         job.check()?;
         let positions = (keys.par_iter().enumerate())
-            .map(|(k, (key, moved))| self.finish(key, moved, block.vectors(k)))
+            .map(|(k, moving)| self.finish(moving, block.vectors(k)))
             .collect::<Result<_>>()?;
         Ok((positions, solving))
     }
@@ -256,12 +256,13 @@ impl Transfer {
     }
 
     /// From displacements in unit coordinates, up to a translation, to positions.
-    fn finish(&self, key: &SourceKey, moved: &[Vec3], mut displacements: Vec<Vec3>) -> Result<Vec<Vec3>> {
+    fn finish(&self, moving: &Moving, mut displacements: Vec<Vec3>) -> Result<Vec<Vec3>> {
+        let Moving { key, moved, moves } = moving;
         if self.options.contact {
             let contacts = self.contacts(key, moved);
             contact::close(&self.target, self.stitcher.system(), &contacts, &mut displacements);
         }
-        self.placer.place(&self.target, &self.chooser, key, moved, &mut displacements);
+        self.placer.place(&self.target, &self.chooser, key, moves, &mut displacements);
         self.target.follow(&mut displacements);
         let scale = self.target.frame().scale;
         let positions: Vec<Vec3> =
@@ -272,6 +273,15 @@ impl Transfer {
             Err(Error::SolveFailed("the result is beyond the range of floating point numbers".into()))
         }
     }
+}
+
+/// A key on its way.
+struct Moving<'a> {
+    key: SourceKey<'a>,
+    /// Displacements of the images of the target's vertices.
+    moved: Vec<Vec3>,
+    /// Whether each of its triangles moves.
+    moves: Vec<bool>,
 }
 
 /// `w_t` over the area of each triangle, as the stitcher already weighs by area.

@@ -258,37 +258,25 @@ impl Chooser {
         Ok(Some(Patches { triangles, border, patch, count, factor }))
     }
 
-    /// `C_t - I` of every target triangle, where the images have gone by `moved`.
-    pub fn changes(&self, target: &Mesh, key: &SourceKey, moved: &[Vec3]) -> Vec<Mat3> {
+    /// Of every target triangle `C_t - I`, where the images have gone by `moved`, and whether it moves: its
+    /// image does, or one of its matches, or, in a patch without either, anything around the patch.
+    pub fn changes(&self, target: &Mesh, key: &SourceKey, moved: &[Vec3]) -> (Vec<Mat3>, Vec<bool>) {
         let change = |(t, corners): (usize, &[u32; 3])| {
             if let Some(frame) = &self.sound[t] {
                 let d = corners.map(|v| moved[v as usize]);
-                return if d == [Vec3::ZERO; 3] { Mat3::ZERO } else { frame.change(d) };
+                return if d == [Vec3::ZERO; 3] { (Mat3::ZERO, false) } else { (frame.change(d), true) };
             }
             let matches = self.matches(t);
-            matches.iter().map(|&s| key.change(s)).sum::<Mat3>() * (1.0 / matches.len().max(1) as f64)
+            let mean = matches.iter().map(|&s| key.change(s)).sum::<Mat3>() / matches.len().max(1) as f64;
+            (mean, matches.iter().any(|&s| key.moves(s)))
         };
-        let mut changes: Vec<Mat3> =
-            target.triangles().par_iter().enumerate().with_min_len(GRAIN).map(change).collect();
+        let triangles = target.triangles().par_iter().enumerate().with_min_len(GRAIN);
+        let (mut changes, mut moves): (Vec<Mat3>, Vec<bool>) = triangles.map(change).unzip();
         if let Some(patches) = &self.patches {
             patches.extend(&mut changes);
-        }
-        changes
-    }
-
-    /// Whether every target triangle moves: its image does, or one of its matches, or, in a patch without
-    /// either, anything around the patch.
-    pub fn moves(&self, target: &Mesh, key: &SourceKey, moved: &[Vec3]) -> Vec<bool> {
-        let mut moves: Vec<bool> = (target.triangles().iter().enumerate())
-            .map(|(t, corners)| match self.sound[t] {
-                Some(_) => corners.iter().any(|&v| moved[v as usize] != Vec3::ZERO),
-                None => self.matches(t).iter().any(|&s| key.moves(s)),
-            })
-            .collect();
-        if let Some(patches) = &self.patches {
             patches.spread(&mut moves);
         }
-        moves
+        (changes, moves)
     }
 }
 

@@ -123,14 +123,13 @@ impl Placer {
         target: &Mesh,
         chooser: &Chooser,
         key: &SourceKey,
-        moved: &[Vec3],
+        moves: &[bool],
         displacements: &mut [Vec3],
     ) {
-        let moves = chooser.moves(target, key, moved);
         let mut at_rest = vec![false; displacements.len()];
         let found = self.parts.iter().filter(|part| part.beside.is_none());
         found.flat_map(|part| &part.vertices).for_each(|&v| at_rest[v as usize] = true);
-        for (corners, _) in target.triangles().iter().zip(&moves).filter(|(_, moves)| **moves) {
+        for (corners, _) in target.triangles().iter().zip(moves).filter(|(_, moves)| **moves) {
             corners.iter().for_each(|&v| at_rest[v as usize] = false);
         }
         let mut all_still = Vec::new();
