@@ -19,9 +19,8 @@ use crate::{Mesh, Vec3};
 /// Rings around the vertices at rest over which their drift is smoothed out.
 const RINGS: u32 = 8;
 
-/// The drift is smoothed to this fraction, or for this many iterations of conjugate gradients.
-const SMOOTH: f64 = 1e-2;
-const ITERATIONS: usize = 40;
+/// Times that the drift is smoothed, forth and back.
+const SWEEPS: usize = 2;
 
 /// What is needed to place the components of a target.
 pub struct Placer {
@@ -155,98 +154,73 @@ impl Placer {
         }
     }
 
-    /// Puts the vertices at rest exactly there and smooths what that does to their surroundings:
-    /// solves `L z = 0` for the correction `z` on a few rings, given on both of their rims.
+    /// Puts the vertices at rest exactly there and smooths what that does to their surroundings: a correction
+    /// `z` that fades out over a few rings, and there comes near `L z = 0` by sweeps of Gauss and Seidel. They
+    /// take steps out first, and steps are all that must not show.
     fn settle(&self, still: &[u32], at_rest: &[bool], displacements: &mut [Vec3]) {
         let band = self.band(still, at_rest);
-        let correction = self.relax(&band, at_rest, displacements);
-        for (&v, z) in band.iter().zip(correction) {
-            displacements[v as usize] += z;
+        let mut z = vec![Vec3::ZERO; displacements.len()];
+        for &v in still {
+            z[v as usize] = -displacements[v as usize];
+        }
+        let mut known = at_rest.to_vec();
+        for (ring, rim) in (1..).zip(&band) {
+            let left = f64::from(RINGS + 1 - ring) / f64::from(RINGS + 2 - ring);
+            for &v in rim {
+                let before = self.row(v).iter().filter(|(w, _)| known[*w as usize]);
+                let (sum, count) =
+                    before.fold((Vec3::ZERO, 0.0), |(sum, n), &(w, _)| (sum + z[w as usize], n + 1.0));
+                z[v as usize] = sum * (left / count);
+            }
+            rim.iter().for_each(|&v| known[v as usize] = true);
+        }
+        for _ in 0..SWEEPS {
+            band.iter().flatten().for_each(|&v| self.sweep(v, &mut z));
+            band.iter().rev().flat_map(|rim| rim.iter().rev()).for_each(|&v| self.sweep(v, &mut z));
+        }
+        for &v in band.iter().flatten() {
+            displacements[v as usize] += z[v as usize];
         }
         for &v in still {
             displacements[v as usize] = Vec3::ZERO;
         }
     }
 
-    /// The vertices within [`RINGS`] of those at rest.
-    fn band(&self, still: &[u32], at_rest: &[bool]) -> Vec<u32> {
+    /// Solves `(L z)_v = 0` for `z_v`.
+    fn sweep(&self, v: u32, z: &mut [Vec3]) {
+        let (mut sum, mut own) = (Vec3::ZERO, 0.0);
+        for &(w, l) in self.row(v) {
+            if w == v {
+                own = l;
+            } else {
+                sum += z[w as usize] * l;
+            }
+        }
+        if own > 0.0 {
+            z[v as usize] = -sum / own;
+        }
+    }
+
+    /// The vertices within [`RINGS`] of those at rest, ring by ring.
+    fn band(&self, still: &[u32], at_rest: &[bool]) -> Vec<Vec<u32>> {
         let mut seen = at_rest.to_vec();
-        let mut band = Vec::new();
-        let mut rim: Vec<u32> = still.to_vec();
+        let mut band: Vec<Vec<u32>> = Vec::new();
         for _ in 0..RINGS {
-            let begin = band.len();
-            for &v in &rim {
+            let mut ring = Vec::new();
+            for &v in band.last().map_or(still, Vec::as_slice) {
                 for &(w, _) in self.row(v) {
                     if !std::mem::replace(&mut seen[w as usize], true) {
-                        band.push(w);
+                        ring.push(w);
                     }
                 }
             }
-            rim = band[begin..].to_vec();
+            band.push(ring);
         }
         band
     }
 
     fn row(&self, v: u32) -> &[(u32, f64)] {
         &self.row[self.start[v as usize] as usize..self.start[v as usize + 1] as usize]
-    }
-
-    /// Conjugate gradients with Jacobi's preconditioner for `(L z)_v = 0` at every `v` of the band; `z` is
-    /// minus the displacement at the vertices at rest, and zero beyond the band.
-    fn relax(&self, band: &[u32], at_rest: &[bool], displacements: &[Vec3]) -> Vec<Vec3> {
-        const OUTSIDE: u32 = u32::MAX;
-        let mut place = vec![OUTSIDE; displacements.len()];
-        (0u32..).zip(band).for_each(|(i, &v)| place[v as usize] = i);
-        let (mut start, mut inner) = (vec![0], Vec::new());
-        let mut diagonal = Vec::with_capacity(band.len());
-        let mut residual = Vec::with_capacity(band.len());
-        for &v in band {
-            let (mut asked, mut own) = (Vec3::ZERO, 1.0);
-            for &(w, l) in self.row(v) {
-                if w == v {
-                    own = l.max(f64::MIN_POSITIVE);
-                }
-                if at_rest[w as usize] {
-                    asked += displacements[w as usize] * l;
-                } else if place[w as usize] != OUTSIDE {
-                    inner.push((place[w as usize], l));
-                }
-            }
-            start.push(inner.len());
-            diagonal.push(own);
-            residual.push(asked);
-        }
-        let row = |i: usize| &inner[start[i]..start[i + 1]];
-        let product =
-            |x: &[Vec3], i: usize| row(i).iter().fold(Vec3::ZERO, |sum, &(j, l)| sum + x[j as usize] * l);
-        let energy_of =
-            |r: &[Vec3]| r.iter().zip(&diagonal).map(|(r, d)| r.length_squared() / d).sum::<f64>();
-        let mut z = vec![Vec3::ZERO; band.len()];
-        let mut direction: Vec<Vec3> = residual.iter().zip(&diagonal).map(|(&r, &d)| r / d).collect();
-        let mut image = vec![Vec3::ZERO; band.len()];
-        let mut energy = energy_of(&residual);
-        let enough = energy * SMOOTH * SMOOTH;
-        for _ in 0..ITERATIONS {
-            if energy <= enough || energy == 0.0 {
-                break;
-            }
-            image.iter_mut().enumerate().for_each(|(i, q)| *q = product(&direction, i));
-            let along: f64 = direction.iter().zip(&image).map(|(p, q)| p.dot(*q)).sum();
-            if along <= 0.0 {
-                break;
-            }
-            let step = energy / along;
-            for i in 0..band.len() {
-                z[i] += direction[i] * step;
-                residual[i] -= image[i] * step;
-            }
-            let next = energy_of(&residual);
-            for i in 0..band.len() {
-                direction[i] = residual[i] / diagonal[i] + direction[i] * (next / energy);
-            }
-            energy = next;
-        }
-        z
     }
 }
 
