@@ -14,6 +14,7 @@ from .operators import (
     transfer_keys,
     transfer_markers,
     transfer_parts,
+    transfer_pose,
     transfer_show,
 )
 from .panels import inbetween as inbetween_panel
@@ -32,6 +33,7 @@ _OPERATORS = (
     transfer_markers,
     transfer_fit,
     transfer_keys,
+    transfer_pose,
     transfer_parts,
     transfer_show,
     inbetween_bake,
