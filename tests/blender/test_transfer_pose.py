@@ -10,6 +10,7 @@ import scene
 from bl_ext.user_default.lissom import commands, session
 from bl_ext.user_default.lissom.core.work import Work
 from bl_ext.user_default.lissom.operators import transfer_pose
+from mathutils import Vector
 from numpy.testing import assert_allclose, assert_array_equal
 from test_transfer import monkeys, native
 
@@ -419,6 +420,25 @@ def test_an_error_on_the_way_leaves_what_was_there(tmp_path, monkeypatch):
         bpy.ops.lissom.transfer_animation(output="CACHE", cache_path=str(path))
     assert path.read_bytes() == before and [file.name for file in tmp_path.iterdir()] == ["a.pc2"]
     assert len(target.modifiers) == 1 and bpy.context.scene.frame_current == 5
+
+
+def test_a_live_pose_follows_its_handles_at_every_frame():
+    source, target = scene.bound_tube(name="Source"), scene.tube(name="Target")
+    handle = scene.empty(source, "top")
+    rest = handle.location.copy()
+    for frame, x in ((1, 0.0), (3, 1.0)):
+        handle.location = rest + Vector((x, 0, 0))
+        handle.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_set(2)
+    expected = at_frames(source, (1, 2, 3))
+    shown = scene.shown(source)
+    assert np.abs(expected[2] - expected[0]).max() > 0.9
+    sides = {"source": "Source", "target": "Target"}
+    bpy.ops.lissom.transfer_animation(frame_start=1, frame_end=3, **sides)
+    # The solver starts from where it was: the same to its own tolerance.
+    assert_allclose(at_frames(target, (1, 2, 3)), expected, atol=1e-3)
+    assert_allclose(scene.shown(source), shown, atol=1e-3)
+    assert source.lissom_pose.bound
 
 
 # Several objects
