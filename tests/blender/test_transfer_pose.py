@@ -383,6 +383,9 @@ def cancel_at_third_frame(folder):
     def wait(work):
         while not work.progress[1].startswith("frame 3"):
             assert not work.poll()
+        # Between two blocks the artist sees, saves and undoes what was there.
+        assert bpy.data.objects["Source"].modifiers["Smooth"].show_viewport
+        assert bpy.context.scene.frame_current == 5
         assert len(list(folder.glob("*.part"))) == 1
         work.cancel()
         while not work.poll():
@@ -403,6 +406,22 @@ def test_cancelled_it_leaves_no_file(tmp_path, monkeypatch):
     assert scene.snapshot() == before
     assert list(tmp_path.iterdir()) == [] and source.modifiers["Smooth"].show_viewport
     assert bpy.context.scene.frame_current == 5
+
+
+def test_a_target_that_goes_meanwhile_leaves_no_file(tmp_path, monkeypatch):
+    animated_monkeys()
+    whole = Work.wait
+
+    def wait(work):
+        result = whole(work)
+        assert len(list(tmp_path.glob("*.part"))) == 1
+        bpy.data.objects.remove(bpy.data.objects["Target"])
+        return result
+
+    monkeypatch.setattr(Work, "wait", wait)
+    with pytest.raises(RuntimeError, match="'Target' is gone"):
+        bpy.ops.lissom.transfer_animation(output="CACHE", cache_path=str(tmp_path / "a.pc2"))
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_an_error_on_the_way_leaves_what_was_there(tmp_path, monkeypatch):
@@ -543,6 +562,27 @@ def test_a_further_object_that_does_not_move_gets_no_keys():
     bpy.ops.lissom.transfer_animation(frame_start=1, frame_end=2, name="Talk", **sides)
     assert targets[0].data.shape_keys.key_blocks.keys() == ["Basis", "Pose", "Talk 0001", "Talk 0002"]
     assert targets[1].data.shape_keys is None
+
+
+def test_a_linked_source_with_its_armature(tmp_path):
+    source, target, _ = posed_monkeys()
+    source.modifiers.new("Smooth", "SUBSURF")
+    markers, library = str(tmp_path / "markers.json"), str(tmp_path / "library.blend")
+    bpy.ops.lissom.marker_save(filepath=markers)
+    bpy.ops.wm.save_as_mainfile(filepath=library)
+    bpy.ops.lissom.transfer_pose()
+    expected = scene.key_points(target, "Pose")
+    target.shape_key_clear()
+    for name in ("Source", "Rig"):
+        bpy.data.objects.remove(bpy.data.objects[name])
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
+    with bpy.data.libraries.load(library, link=True) as (_, into):
+        into.objects = ["Source"]
+    bpy.context.collection.objects.link(into.objects[0])
+    bpy.ops.lissom.transfer_pose(source="Source", target="Target", filepath=markers)
+    assert_allclose(scene.key_points(target, "Pose"), expected, atol=1e-6)
+    assert into.objects[0].modifiers["Smooth"].show_viewport
+    assert {armature.pose_position for armature in bpy.data.armatures} == {"POSE"}
 
 
 # The command
