@@ -15,6 +15,7 @@ from .operators import (
     transfer_markers,
     transfer_parts,
     transfer_pick,
+    transfer_pose,
     transfer_show,
 )
 from .panels import inbetween as inbetween_panel
@@ -34,6 +35,7 @@ _OPERATORS = (
     transfer_pick,
     transfer_fit,
     transfer_keys,
+    transfer_pose,
     transfer_parts,
     transfer_show,
     inbetween_bake,

@@ -156,9 +156,8 @@ def one_more_key(archive):
         lissom.Mesh(neutral, faces), target, np.repeat(archive["landmarks"], 2).reshape(-1, 2)
     )
     transfer = lissom.Transfer(lissom.Mesh(neutral, faces), target, fit)
-    keys, reports = neutral + archive["expressions"][2:55].astype(float), []
-    for _ in range(7):
-        reports.append(transfer.apply(keys).report)
+    keys = neutral + archive["expressions"][2:55].astype(float)
+    reports = [transfer.apply(keys).report for _ in range(7)]
     return {
         "seconds a key": statistics.median(report["seconds"] for report in reports) / len(keys),
         "over its back-substitution": statistics.median(

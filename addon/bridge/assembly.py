@@ -37,8 +37,8 @@ class Assembly:
 
     def __init__(self, objects):
         self.parts = [Snapshot.of(obj, space.linear_part(obj.matrix_world, obj.name)) for obj in objects]
-        places = np.array([obj.matrix_world.translation for obj in objects], dtype=np.float64)
-        self._offsets = places - places[0]
+        self._matrices = np.array([obj.matrix_world for obj in objects], dtype=np.float64)
+        self._offsets = self._matrices[:, :3, 3] - self._matrices[0, :3, 3]
         counts = [len(part.vertices) for part in self.parts]
         self._starts = np.concatenate([[0], np.cumsum(counts)])
 
@@ -68,6 +68,20 @@ class Assembly:
     def rest(self):
         """(n, 3): all vertices at rest, in solve space."""
         return self.into([part.vertices for part in self.parts])
+
+    def posed(self, positions, matrices):
+        """(n, 3) in solve space from other positions of each part, and other matrices (4, 4) of the objects.
+
+        What the first object does as a whole is left out; the others' motion relative to it counts.
+        """
+        space.linear_part(matrices[0], self.name)
+        rows = self.split(self.into(positions))
+        for place in range(1, len(rows)):
+            ends = (self._matrices[0], self._matrices[place]), (matrices[0], matrices[place])
+            motion = space.part_motion(*ends[0], *ends[1])
+            if motion is not None:
+                rows[place] = rows[place] @ motion[:3, :3].T + motion[:3, 3]
+        return np.concatenate(rows)
 
     def back(self, deltas):
         """For each part its own rows of displacements (n, 3), in its object's coordinates."""

@@ -13,7 +13,7 @@ from ..operators.transfer_fit import key_names
 from ..operators.transfer_parts import quality_rows
 from ..properties.transfer import EXISTS_ITEMS
 
-SUMMARY = "carry the shape keys of one mesh over to another of different topology"
+SUMMARY = "carry shape keys, a pose or animation of one mesh over to another of different topology"
 DONE, BAD_INPUT, PARTLY_DONE = 0, 2, 3
 
 
@@ -25,7 +25,18 @@ def configure(parser):
     add("--source", required=True, nargs="+", help="mesh object with the keys, and further ones")
     add("--source-file", help="the .blend file with the source (default: that of the target)")
     add("--markers", default="", help="marker file (default: the markers in the file, if any)")
-    add("--keys", nargs="+", default=[], help="names of the shape keys (default: all)")
+    what = parser.add_mutually_exclusive_group().add_argument
+    what("--keys", nargs="+", default=[], help="names of the shape keys (default: all)")
+    what("--pose", metavar="NAME", help="in place of keys: what the source looks like, as this shape key")
+    what(
+        "--frames",
+        nargs="+",
+        type=int,
+        metavar="FRAME",
+        help="in place of keys: what the source looks like from the first to the last of these frames; a "
+        "third number is the step",
+    )
+    add("--cache", help="with --frames: the point cache to write (default: shape keys)")
     add("--exists", choices=[item[0].lower() for item in EXISTS_ITEMS], default="update")
     add("--loose-parts", choices=("follow", "rest"), default="follow", help="what parts without a match do")
     add("--drivers", choices=("rewire", "keep", "none"), default="rewire", help="what becomes of drivers")
@@ -46,30 +57,10 @@ def run(arguments):
         bpy.ops.wm.open_mainfile(filepath=_absolute(arguments.file), load_ui=False)
         targets = [checks.mesh_object(name, bpy.context) for name in arguments.target]
         sources, brought = _sources(arguments)
-        keys, unknown = _keys(sources, arguments.keys)
-        bpy.ops.lissom.transfer_keys(
-            source="\n".join(source.name for source in sources),
-            target="\n".join(arguments.target),
-            keys="\n".join(keys),
-            filepath=_absolute(arguments.markers) if arguments.markers else "",
-            exists=arguments.exists.upper(),
-            unmatched=arguments.loose_parts,
-            drivers=arguments.drivers.upper(),
-            contact=arguments.contact,
-            drop_empty=arguments.drop_empty,
-            match_distance=arguments.match_distance,
-            source_mask=arguments.source_mask,
-            target_mask=arguments.target_mask,
-        )
-        report = {
-            "source": [source.name for source in sources],
-            "target": arguments.target,
-            "keys": keys,
-            "errors": [f"'{arguments.source[0]}' has no shape key named '{name}'" for name in unknown],
-            "fit": session.fit.fit.report,
-            "quality": quality_rows(bpy.context.scene),
-            "seconds": round(time.perf_counter() - started, 3),
-        }
+        transfer = next((run for name, run in INSTEAD.items() if getattr(arguments, name)), _transfer_keys)
+        report = {"source": [source.name for source in sources], "target": arguments.target, "errors": []}
+        report |= transfer(arguments, sources, _common(arguments, sources))
+        report |= {"fit": session.fit.fit.report, "seconds": round(time.perf_counter() - started, 3)}
         for source in sources if brought else ():
             bpy.data.objects.remove(source)
         bpy.ops.wm.save_as_mainfile(filepath=_absolute(arguments.out), copy=True)
@@ -81,8 +72,62 @@ def run(arguments):
         return BAD_INPUT
     for error in report["errors"]:
         print(f"Error: {error}")
-    print(f"{len(keys)} shape keys on {', '.join(repr(target.name) for target in targets)}")
-    return PARTLY_DONE if unknown else DONE
+    print(f"{_done(report)} on {', '.join(repr(target.name) for target in targets)}")
+    return PARTLY_DONE if report["errors"] else DONE
+
+
+def _common(arguments, sources):
+    """The operator's properties that do not depend on what is carried over."""
+    return {
+        "source": "\n".join(source.name for source in sources),
+        "target": "\n".join(arguments.target),
+        "filepath": _absolute(arguments.markers) if arguments.markers else "",
+        "unmatched": arguments.loose_parts,
+        "contact": arguments.contact,
+        "match_distance": arguments.match_distance,
+        "source_mask": arguments.source_mask,
+        "target_mask": arguments.target_mask,
+    }
+
+
+def _transfer_keys(arguments, sources, common):
+    keys, unknown = _keys(sources, arguments.keys)
+    bpy.ops.lissom.transfer_keys(
+        keys="\n".join(keys),
+        exists=arguments.exists.upper(),
+        drivers=arguments.drivers.upper(),
+        drop_empty=arguments.drop_empty,
+        **common,
+    )
+    return {
+        "keys": keys,
+        "errors": [f"'{arguments.source[0]}' has no shape key named '{name}'" for name in unknown],
+        "quality": quality_rows(bpy.context.scene),
+    }
+
+
+def _transfer_pose(arguments, sources, common):
+    bpy.ops.lissom.transfer_pose(name=arguments.pose, exists=arguments.exists.upper(), **common)
+    return {"pose": arguments.pose}
+
+
+def _transfer_frames(arguments, sources, common):
+    start, end, step = (*arguments.frames, 1)[:3]
+    if arguments.cache:
+        common |= {"output": "CACHE", "cache_path": _absolute(arguments.cache)}
+    bpy.ops.lissom.transfer_animation(frame_start=start, frame_end=end, step=step, **common)
+    targets = map(bpy.data.objects.get, arguments.target) if arguments.cache else ()
+    caches = [obj.modifiers[0].filepath for obj in targets]
+    return {"frames": list(range(start, end + 1, step)), "caches": caches}
+
+
+INSTEAD = {"pose": _transfer_pose, "frames": _transfer_frames}
+
+
+def _done(report):
+    if "pose" in report:
+        return f"Shape key '{report['pose']}'"
+    return f"{len(report['frames'])} frames" if "frames" in report else f"{len(report['keys'])} shape keys"
 
 
 def _check(arguments):
@@ -90,7 +135,13 @@ def _check(arguments):
         path = getattr(arguments, name)
         if path and not pathlib.Path(path).is_file():
             raise Refused(f"--{name.replace('_', '-')}: there is no file '{path}'")
-    for name in ("out", "report"):
+    if arguments.pose == "":
+        raise Refused("--pose: give the shape key a name")
+    if arguments.frames and (len(arguments.frames) not in (2, 3) or min(arguments.frames[2:], default=1) < 1):
+        raise Refused("--frames: give the first and the last frame, and the step, at least 1, if it is not 1")
+    if arguments.cache and not arguments.frames:
+        raise Refused("--cache: it keeps what --frames makes: give the frames too")
+    for name in ("out", "report", "cache"):
         path = getattr(arguments, name)
         if path and not pathlib.Path(path).resolve().parent.is_dir():
             raise Refused(f"--{name}: there is no folder for '{path}'")

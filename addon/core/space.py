@@ -12,6 +12,9 @@ from .refused import Refused
 # value the way back would amplify rounding beyond any use.
 SINGULAR = 1e-6
 
+# What single precision leaves of a motion that is none, as a part of the lengths that it came from.
+STILL = 1e-6
+
 LARGEST = float(np.finfo(np.float32).max)
 
 
@@ -51,6 +54,21 @@ def back(linear, positions):
             "scale the mesh down first"
         )
     return positions
+
+
+def part_motion(first_rest, rest, first_now, now):
+    """How a part has moved relative to the first object, from their matrices (4, 4) at rest and now.
+
+    A (4, 4) of solve space, whose origin is the first object's location; None where the part has not moved,
+    but for rounding.
+    """
+    lift = np.eye(4)
+    lift[:3, :3] = first_rest[:3, :3]
+    stay = np.linalg.inv(rest) @ first_rest @ np.linalg.inv(lift)
+    motion = lift @ np.linalg.inv(first_now) @ now @ stay
+    reach = max(np.abs(matrix[:3]).max() for matrix in (first_rest, rest, first_now, now))
+    off = np.abs(motion - np.eye(4))
+    return None if off[:3, :3].max() <= STILL and off[:3, 3].max() <= STILL * reach else motion
 
 
 def handle_transforms(linear, rest, posed):

@@ -6,7 +6,7 @@ import lissom
 import numpy as np
 
 from .refused import Refused
-from .work import Work
+from .work import Block, Work
 
 
 def fit_work(source, target, markers, options):
@@ -47,8 +47,7 @@ def transfer_work(source, target, fit, shapes, options, check=False):
     """
 
     def steps():
-        ends = lissom.Mesh(*source), lissom.Mesh(*target)
-        known = (yield from fit_steps(*ends, *fit)) if isinstance(fit, tuple) else fit
+        ends, known = yield from _known_steps(source, target, fit)
         if not len(shapes):
             return Carried(known, shapes, {} if check else None, [])
         transfer = yield lissom.start_transfer(*ends, known, **options)
@@ -57,6 +56,26 @@ def transfer_work(source, target, fit, shapes, options, check=False):
         return Carried(known, result, quality, list(transfer.warnings))
 
     return Work(steps())
+
+
+def animation_steps(source, target, fit, blocks, count, options, take):
+    """A Work's steps for ``count`` shapes in ``blocks``, an iterable of (k, n_source, 3); (fit, warnings).
+
+    Each block is made when the one before is done, and ``take`` is called with what becomes of it,
+    (k, n_target, 3): no more than one is in memory. Else as ``transfer_work``.
+    """
+    ends, known = yield from _known_steps(source, target, fit)
+    transfer = yield lissom.start_transfer(*ends, known, **options)
+    done = 0
+    for shapes in blocks:
+        take((yield Block(transfer.start(shapes), done, len(shapes), count, "frame")).vertices)
+        done += len(shapes)
+    return known, list(transfer.warnings)
+
+
+def _known_steps(source, target, fit):
+    ends = lissom.Mesh(*source), lissom.Mesh(*target)
+    return ends, (yield from fit_steps(*ends, *fit)) if isinstance(fit, tuple) else fit
 
 
 class Keys:

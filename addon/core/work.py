@@ -12,6 +12,26 @@ A generator yields one job after the other (anything with the ``progress``, ``do
 import lissom
 
 
+class Block:
+    """A job that is one block of a longer row, with the progress of the whole row."""
+
+    def __init__(self, job, before, length, count, stage):
+        """``length`` things in this block, after ``before`` others, of ``count``; ``stage``: what one is."""
+        self._job, self._before, self._length, self._count, self._stage = job, before, length, count, stage
+        self.cancel, self.result = job.cancel, job.result
+
+    @property
+    def done(self):
+        """True once ``result()`` does not wait."""
+        return self._job.done
+
+    @property
+    def progress(self):
+        """(fraction of the row in [0, 1], stage)."""
+        place = self._before + self._job.progress[0] * self._length
+        return place / self._count, f"{self._stage} {min(int(place) + 1, self._count)} of {self._count}"
+
+
 class Work:
     """Drives one such generator. ``result`` holds what it returned once ``finished`` is True."""
 
@@ -49,14 +69,22 @@ class Work:
             self._steps.close()
             raise lissom.Cancelled("cancelled: nothing was changed")
         if not self.finished and self._job.done:
-            self._advance(self._job.result())
+            self._go_on()
         return self.finished
 
     def wait(self):
         """Runs to the end and returns the result."""
         while not self.finished:
-            self._advance(self._job.result())
+            self._go_on()
         return self.result
+
+    def _go_on(self):
+        try:
+            result = self._job.result()
+        except BaseException:
+            self._steps.close()  # now, not when the garbage is collected: it may have files open
+            raise
+        self._advance(result)
 
     def cancel(self):
         """Asks the running job to stop; the next poll() raises lissom.Cancelled."""

@@ -2,22 +2,20 @@
 
 import bpy
 import numpy as np
-from bpy.props import EnumProperty, IntProperty, StringProperty
+from bpy.props import IntProperty, StringProperty
 
 from .. import live
 from ..bridge import checks, meshes, playback, poses, shape_keys
-from ..core import cache, names, space
+from ..core import cache, space
 from ..core.refused import Refused, first
 from ..core.work import Work
-from ..properties.pose import BAKE_ITEMS, BAKE_OUTPUT, BAKE_PATH, BAKE_STEP
+from .baking import CACHE_FILE, BakeProperties
 from .job import JobOperator, writable_mesh
 from .pose_bind import MAX_ITERATIONS, unbind
 from .pose_handles import OBJECT
 
-MOST_KEYS = 10_000
 
-
-class LISSOM_OT_pose_bake(JobOperator, bpy.types.Operator):
+class LISSOM_OT_pose_bake(BakeProperties, JobOperator, bpy.types.Operator):
     """Bake the motion of the handles over a range of frames, and unbind the mesh, which then plays it"""
 
     bl_idname = "lissom.pose_bake"
@@ -25,20 +23,7 @@ class LISSOM_OT_pose_bake(JobOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     object: StringProperty(**OBJECT)
-    output: EnumProperty(name="Output", description=BAKE_OUTPUT, items=BAKE_ITEMS, default="KEYS")
-    frame_start: IntProperty(
-        name="First Frame", description="Where not given, that of the scene", options={"SKIP_SAVE"}
-    )
-    frame_end: IntProperty(
-        name="Last Frame", description="Where not given, that of the scene", options={"SKIP_SAVE"}
-    )
-    step: IntProperty(name="Step", description=BAKE_STEP, default=1, min=1, max=1000)
-    name: StringProperty(
-        name="Name", description="Of the shape keys, before the frame, or of the modifier", default="Pose"
-    )
-    filepath: StringProperty(
-        name="Cache File", description=BAKE_PATH, subtype="FILE_PATH", options={"SKIP_SAVE"}
-    )
+    filepath: StringProperty(**CACHE_FILE)
     max_iterations: IntProperty(**MAX_ITERATIONS)
 
     @classmethod
@@ -51,23 +36,11 @@ class LISSOM_OT_pose_bake(JobOperator, bpy.types.Operator):
         checks.require_writable(obj)
         bound = poses.current(obj)
         poses.preview(obj)
-        if not self.name:
-            raise Refused("Give the baked keys a name first")
-        for name in ("frame_start", "frame_end"):
-            if not self.properties.is_property_set(name):
-                setattr(self, name, getattr(scene, name))
-        start, end = self.frame_start, self.frame_end
-        if end < start:
-            raise Refused(f"The last frame, {end}, is before the first, {start}")
-        frames = self._frames = list(range(start, end + 1, self.step))
+        frames = self._frames = self.frames(scene)
         if self.output == "CACHE":
             self._path = playback.cache_path(self.filepath, obj)
         else:
-            if len(frames) > MOST_KEYS:
-                raise Refused(
-                    f"{len(frames)} shape keys are too many for Blender: raise the step, or bake a cache"
-                )
-            self._names = [names.shorten(self.name, f" {frame:04d}") for frame in frames]
+            self._names = self.key_names(frames)
             self._check_names(obj)
         self._mesh = meshes.Snapshot.of(obj, poses.linear_part(obj))
         with live.paused():
@@ -107,10 +80,7 @@ class LISSOM_OT_pose_bake(JobOperator, bpy.types.Operator):
         settings = obj.lissom_pose
         if self.output == "CACHE":
             path, absolute = self._path
-            try:
-                cache.write(absolute, shapes, frames[0], self.step)
-            except OSError as error:
-                raise Refused(f"'{absolute}' could not be written: {error.strerror}") from None
+            cache.write(absolute, shapes, frames[0], self.step)
             unbind(obj)
             settings.baked_cache = playback.play_cache(obj, self.name, path, frames[0], self.step)
         else:
@@ -136,8 +106,7 @@ class LISSOM_OT_pose_bake(JobOperator, bpy.types.Operator):
                 f"Not converged at {len(restless)} of {len(frames)} frames, the first is {restless[0]}: "
                 "raise Iterations",
             )
-        what = "a point cache" if self.output == "CACHE" else f"{len(frames)} shape keys"
-        self.report({"INFO"}, f"'{obj.name}' plays frames {frames[0]} to {frames[-1]} from {what}")
+        self.report({"INFO"}, self.summary(f"'{obj.name}'", frames))
 
 
 classes = (LISSOM_OT_pose_bake,)

@@ -13,7 +13,12 @@ from ..bridge import markers as bridge_markers
 from ..bridge.assembly import Assembly, both_sides
 from ..core.refused import Refused
 from ..core.transfer import fit_work
-from ..properties.transfer import mask_property, match_distance_property
+from ..properties.transfer import (
+    contact_property,
+    mask_property,
+    match_distance_property,
+    unmatched_property,
+)
 from .job import JobOperator, allowed
 from .transfer_markers import SOURCE, TARGET
 
@@ -28,6 +33,40 @@ MARKER_FILE = {
     "subtype": "FILE_PATH",
     "options": {"SKIP_SAVE"},
 }
+
+
+class FitProperties:
+    """Mixin: what a fit is made of."""
+
+    source: StringProperty(**SOURCE)
+    target: StringProperty(**TARGET)
+    markers: StringProperty(**MARKERS)
+    filepath: StringProperty(**MARKER_FILE)
+    match_distance: match_distance_property()
+    source_mask: mask_property("Source")
+    target_mask: mask_property("Target")
+
+
+class TransferProperties(FitProperties):
+    """Mixin: what a transfer is made of."""
+
+    unmatched: unmatched_property()
+    contact: contact_property()
+
+    def transfer_options(self):
+        """Those of lissom.Transfer."""
+        return {"unmatched": self.unmatched, "contact": self.contact}
+
+    def warn(self, request, fit, warnings, targets):
+        """Reports what a transfer has to say that is done."""
+        warnings = [*request.warnings, *fit.report["warnings"], *warnings]
+        for warning in filter(None, [*warnings, *map(checks.shared_data, targets)]):
+            self.report({"WARNING"}, warning)
+
+
+def where(objects):
+    """Objects in a report: by name, or where there are several by number."""
+    return f"'{objects[0].name}'" if len(objects) == 1 else f"{len(objects)} objects"
 
 
 class Memory(NamedTuple):
@@ -97,7 +136,7 @@ class Request:
             bridge_markers.put(context.scene, self.pairs, *ends)
 
 
-def ready(operator_class, context, keys=False):
+def ready(operator_class, context, keys=False, writes=False):
     """poll(): what the panel still misses, said on its buttons; scripts' calls are checked as they run."""
     settings = getattr(context, "lissom_transfer", None)
     reason = ""
@@ -112,7 +151,7 @@ def ready(operator_class, context, keys=False):
             reason = f"'{sources[0].name}' has no shape keys to carry over"
         elif keys and settings.which == "SELECTED" and not len(settings.chosen):
             reason = "Tick the shape keys to carry over first"
-        elif keys:
+        elif keys or writes:
             reason = next(filter(None, map(checks.refusal, targets)), "")
     return allowed(operator_class, reason)
 
@@ -122,20 +161,12 @@ def key_names(objects):
     return list(dict.fromkeys(name for obj in objects for name in shape_keys.key_names(obj)))
 
 
-class LISSOM_OT_transfer_fit(JobOperator, bpy.types.Operator):
+class LISSOM_OT_transfer_fit(FitProperties, JobOperator, bpy.types.Operator):
     """Pull the source onto the target by the markers, and find which faces belong together"""
 
     bl_idname = "lissom.transfer_fit"
     bl_label = "Fit"
     bl_options = {"REGISTER", "UNDO"}
-
-    source: StringProperty(**SOURCE)
-    target: StringProperty(**TARGET)
-    markers: StringProperty(**MARKERS)
-    filepath: StringProperty(**MARKER_FILE)
-    match_distance: match_distance_property()
-    source_mask: mask_property("Source")
-    target_mask: mask_property("Target")
 
     @classmethod
     def poll(cls, context):

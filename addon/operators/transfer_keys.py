@@ -10,40 +10,26 @@ from ..core.refused import Refused, first
 from ..core.transfer import Keys, transfer_work
 from ..properties.transfer import (
     check_property,
-    contact_property,
     drivers_property,
     drop_empty_property,
     exists_property,
-    mask_property,
-    match_distance_property,
-    unmatched_property,
 )
 from .job import JobOperator, answering
-from .transfer_fit import MARKER_FILE, MARKERS, Request, key_names, ready
-from .transfer_markers import SOURCE, TARGET
+from .transfer_fit import Request, TransferProperties, key_names, ready, where
 
 
-class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
+class LISSOM_OT_transfer_keys(TransferProperties, JobOperator, bpy.types.Operator):
     """Carry shape keys of the source over to the target, with their names, values and ranges"""
 
     bl_idname = "lissom.transfer_keys"
     bl_label = "Transfer"
     bl_options = {"REGISTER", "UNDO"}
 
-    source: StringProperty(**SOURCE)
-    target: StringProperty(**TARGET)
     keys: StringProperty(
         name="Keys", description="Names of the shape keys, one a line; empty: all", options={"SKIP_SAVE"}
     )
     exists: exists_property("UPDATE")
-    markers: StringProperty(**MARKERS)
-    filepath: StringProperty(**MARKER_FILE)
-    match_distance: match_distance_property()
-    source_mask: mask_property("Source")
-    target_mask: mask_property("Target")
-    unmatched: unmatched_property()
     drivers: drivers_property()
-    contact: contact_property()
     drop_empty: drop_empty_property()
     check: check_property()
 
@@ -63,7 +49,7 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
         if twice:
             raise Refused(f"Shape key '{twice[0]}' is asked for twice")
         found = {name: _keys_of(sources, name) for name in wanted}
-        self._plan = self._destinations(targets, wanted)
+        self._plan = destinations(targets, wanted, self.exists)
         kept = [name for name in wanted if any(name in plan for plan in self._plan)]
         if not kept:
             raise Refused(
@@ -84,36 +70,9 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
             *request.geometry(),
             request.known_fit() or (request.markers, request.options),
             self._shapes.shapes,
-            {"unmatched": self.unmatched, "contact": self.contact},
+            self.transfer_options(),
             self.check,
         )
-
-    def _destinations(self, targets, wanted):
-        """For each target, names on the source -> names there.
-
-        Locked keys are refused before anything is computed.
-        """
-        blocks = [obj.data.shape_keys.key_blocks if obj.data.shape_keys else {} for obj in targets]
-        taken = set().union(*(keys.keys() for keys in blocks))
-        plans = [{} for _ in targets]
-        for name in wanted:
-            renamed = names.resolve(name, taken, "RENAME") if self.exists == "RENAME" else None
-            for keys, plan in zip(blocks, plans, strict=True):
-                given = renamed or names.resolve(name, {*keys.keys(), *plan.values()}, self.exists)
-                if given is not None:
-                    plan[name] = given
-                    taken.add(given)
-        for obj, keys, plan in zip(targets, blocks, plans, strict=True):
-            if keys and obj.data.shape_keys.reference_key.name in plan.values():
-                raise Refused(
-                    f"'{obj.data.shape_keys.reference_key.name}' is the Basis of '{obj.name}': "
-                    "rename the source's key, or choose Rename"
-                )
-            overwritten = [keys[name] for name in plan.values() if name in keys]
-            for key in overwritten:
-                shape_keys.refuse_preview(key)
-            checks.require_unlocked(overwritten)
-        return plans
 
     def finish(self, context, result):
         request = self._request
@@ -128,29 +87,17 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
                 own[name] = part
         written = []
         for place, (obj, own) in enumerate(zip(targets, deltas, strict=True)):
-            self._plan[place] = self._without_empty(obj, own, self._plan[place], place > 0)
+            self._plan[place] = without_empty(obj, own, self._plan[place], place > 0, self.drop_empty)
             self._write(obj, request.target.parts[place].vertices, own, self._plan[place])
             if self.drivers != "NONE":
                 self._copy_drivers(sources, targets[0], obj, self._plan[place])
             written += self._plan[place].values()
         if result.quality is not None:
             self._remember_quality(context, result.quality)
-        warnings = [*request.warnings, *result.fit.report["warnings"], *result.warnings]
-        for warning in filter(None, [*warnings, *map(checks.shared_data, targets)]):
-            self.report({"WARNING"}, warning)
+        self.warn(request, result.fit, result.warnings, targets)
         renamed = [new for plan in self._plan for old, new in plan.items() if new != old]
         note = f", renamed: {first(dict.fromkeys(renamed))}" if renamed else ""
-        on = f"'{targets[0].name}'" if len(targets) == 1 else f"{len(targets)} objects"
-        self.report({"INFO"}, f"{len(written)} shape keys on {on}{note}")
-
-    def _without_empty(self, obj, deltas, plan, further):
-        """The plan without keys that move nothing: by option, or new ones of further objects."""
-        there = obj.data.shape_keys.key_blocks if obj.data.shape_keys else {}
-        return {
-            name: new
-            for name, new in plan.items()
-            if deltas[name].any() or not (self.drop_empty or (further and new not in there))
-        }
+        self.report({"INFO"}, f"{len(written)} shape keys on {where(targets)}{note}")
 
     def _remember_quality(self, context, quality):
         rows = context.scene.lissom_transfer.quality
@@ -188,6 +135,44 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
             counts_from = target.data.shape_keys.key_blocks.get(plan.get(relative_name, relative_name), basis)
             shape = shape_keys.shape(counts_from) if counts_from != basis else rest
             shape_keys.write(target, plan[name], shape + deltas[name], settings, counts_from)
+
+
+def destinations(targets, wanted, exists):
+    """For each target, names on the source -> names there.
+
+    Locked keys are refused before anything is computed.
+    """
+    blocks = [obj.data.shape_keys.key_blocks if obj.data.shape_keys else {} for obj in targets]
+    taken = set().union(*(keys.keys() for keys in blocks))
+    plans = [{} for _ in targets]
+    for name in wanted:
+        renamed = names.resolve(name, taken, "RENAME") if exists == "RENAME" else None
+        for keys, plan in zip(blocks, plans, strict=True):
+            given = renamed or names.resolve(name, {*keys.keys(), *plan.values()}, exists)
+            if given is not None:
+                plan[name] = given
+                taken.add(given)
+    for obj, keys, plan in zip(targets, blocks, plans, strict=True):
+        if keys and obj.data.shape_keys.reference_key.name in plan.values():
+            raise Refused(
+                f"'{obj.data.shape_keys.reference_key.name}' is the Basis of '{obj.name}': "
+                "choose another name for the key, or Rename"
+            )
+        overwritten = [keys[name] for name in plan.values() if name in keys]
+        for key in overwritten:
+            shape_keys.refuse_preview(key)
+        checks.require_unlocked(overwritten)
+    return plans
+
+
+def without_empty(obj, deltas, plan, further, drop_empty=False):
+    """The plan without keys that move nothing: by option, or new ones of further objects."""
+    there = obj.data.shape_keys.key_blocks if obj.data.shape_keys else {}
+    return {
+        name: new
+        for name, new in plan.items()
+        if deltas[name].any() or not (drop_empty or (further and new not in there))
+    }
 
 
 def _keys_of(objects, name):

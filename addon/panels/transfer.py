@@ -97,6 +97,8 @@ SHOWN = {
     "contact_gap": "{:.2f} % apart",
 }
 KEY_OPTIONS = ("unmatched", "exists", "drivers", "contact", "drop_empty", "check")
+POSE_OPTIONS = ("unmatched", "exists", "contact")
+ANIMATION_OPTIONS = ("unmatched", "contact")
 FIT_OPTIONS = ("match_distance", "source_mask", "target_mask")
 
 
@@ -132,15 +134,12 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         for name in FIT_OPTIONS:
             setattr(fit, name, getattr(settings, name))
         self._draw_fit(layout, context)
-        self._draw_keys(layout, settings)
-        row = layout.row()
-        row.scale_y = 1.4
-        transfer = row.operator("lissom.transfer_keys", icon="SHAPEKEY_DATA")
-        for name in (*KEY_OPTIONS, *FIT_OPTIONS):
-            setattr(transfer, name, getattr(settings, name))
-        transfer.keys = "\n".join(row.name for row in settings.chosen) if settings.which == "SELECTED" else ""
+        layout.row().prop(settings, "what", expand=True)
+        draw = {"KEYS": self._draw_keys, "POSE": self._draw_pose, "ANIMATION": self._draw_animation}
+        draw[settings.what](layout, settings)
         draw_progress(layout, "transfer")
-        self._draw_quality(layout, settings)
+        if settings.what == "KEYS":
+            self._draw_quality(layout, settings)
 
     def _needless(self, context):
         try:
@@ -202,7 +201,6 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
 
     def _draw_keys(self, layout, settings):
         source = settings.source
-        layout.label(text="Shape keys:")
         layout.row().prop(settings, "which", expand=True)
         if settings.which == "SELECTED" and source and shape_keys.key_names(source):
             column = layout.column(align=True)
@@ -221,6 +219,41 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         column = split_column(layout)
         for name in KEY_OPTIONS:
             column.prop(settings, name)
+        transfer = self._draw_transfer(layout, settings, "keys", "SHAPEKEY_DATA", KEY_OPTIONS)
+        transfer.keys = "\n".join(row.name for row in settings.chosen) if settings.which == "SELECTED" else ""
+
+    def _draw_pose(self, layout, settings):
+        column = split_column(layout)
+        for name in ("pose_name", *POSE_OPTIONS):
+            column.prop(settings, name)
+        transfer = self._draw_transfer(layout, settings, "pose", "ARMATURE_DATA", POSE_OPTIONS)
+        transfer.name = settings.pose_name
+
+    def _draw_animation(self, layout, settings):
+        scene = settings.id_data
+        column = split_column(layout)
+        column.prop(settings, "pose_name")
+        row = column.row(align=True)
+        row.prop(scene, "frame_start", text="Frames")
+        row.prop(scene, "frame_end", text="")
+        column.prop(settings, "bake_step")
+        column.prop(settings, "bake_output")
+        if settings.bake_output == "CACHE":
+            column.prop(settings, "bake_path", text="File")
+        for name in ANIMATION_OPTIONS:
+            column.prop(settings, name)
+        transfer = self._draw_transfer(layout, settings, "animation", "RENDER_ANIMATION", ANIMATION_OPTIONS)
+        transfer.name, transfer.step = settings.pose_name, settings.bake_step
+        transfer.output, transfer.cache_path = settings.bake_output, settings.bake_path
+
+    def _draw_transfer(self, layout, settings, what, icon, options):
+        """The one big button, with these options and those of the fit."""
+        row = layout.row()
+        row.scale_y = 1.4
+        transfer = row.operator(f"lissom.transfer_{what}", icon=icon)
+        for name in (*options, *FIT_OPTIONS):
+            setattr(transfer, name, getattr(settings, name))
+        return transfer
 
     def _draw_quality(self, layout, settings):
         if not len(settings.quality):

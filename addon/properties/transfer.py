@@ -14,6 +14,7 @@ from bpy.props import (
 
 from ..bridge.meshes import rest_place
 from ..bridge.screen import redraw_views
+from .pose import BAKE_ITEMS, BAKE_OUTPUT, BAKE_PATH, BAKE_STEP
 
 EXISTS_ITEMS = [
     ("UPDATE", "Update", "Write over a shape key of the same name"),
@@ -185,6 +186,14 @@ class LissomKeyChoice(bpy.types.PropertyGroup):
     name: StringProperty(name="Shape Key")
 
 
+class LissomBaked(bpy.types.PropertyGroup):
+    """What a transfer of animation made on an object, so that the next of that name takes its place."""
+
+    name: StringProperty(description="Name of the shape key, or of the modifier")
+    bake: StringProperty(description="Name that the transfer was given")
+    cached: BoolProperty(description="It is a modifier that plays a cache")
+
+
 def _show_key(settings, _):
     """The key of a row that is clicked becomes the active one of the target."""
     row = settings.quality[settings.active_quality]
@@ -219,6 +228,21 @@ class LissomTransfer(bpy.types.PropertyGroup):
         update=lambda settings, context: redraw_views(),
     )
     active_marker: IntProperty(name="Active Marker", options=set())
+    what: EnumProperty(
+        name="Transfer",
+        description="What of the source is carried over",
+        items=[
+            ("KEYS", "Keys", "Its shape keys"),
+            ("POSE", "Pose", "What it looks like now, by armature, modifiers and keys, as one shape key"),
+            ("ANIMATION", "Animation", "What it looks like at each frame of a range"),
+        ],
+    )
+    pose_name: StringProperty(
+        name="Name", description="Of the new shape key; for an animation before the frame", default="Pose"
+    )
+    bake_output: EnumProperty(name="Output", description=BAKE_OUTPUT, items=BAKE_ITEMS, default="KEYS")
+    bake_step: IntProperty(name="Step", description=BAKE_STEP, default=1, min=1, max=1000)
+    bake_path: StringProperty(name="Cache File", description=BAKE_PATH, subtype="FILE_PATH")
     which: EnumProperty(
         name="Keys",
         description="Which shape keys of the source to carry over",
@@ -251,12 +275,14 @@ class LissomTransfer(bpy.types.PropertyGroup):
     )
 
 
-classes = (LissomMarker, LissomKeyChoice, LissomPart, LissomKeyQuality, LissomTransfer)
+classes = (LissomMarker, LissomKeyChoice, LissomPart, LissomKeyQuality, LissomBaked, LissomTransfer)
 
 
 def register():
     bpy.types.Scene.lissom_transfer = PointerProperty(type=LissomTransfer)
+    bpy.types.Object.lissom_baked = CollectionProperty(type=LissomBaked)
 
 
 def unregister():
+    del bpy.types.Object.lissom_baked
     del bpy.types.Scene.lissom_transfer

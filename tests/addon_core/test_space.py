@@ -66,3 +66,22 @@ def test_row_4_what_single_precision_cannot_hold_is_refused():
     assert_allclose(space.back(np.eye(3), np.full((2, 3), 3.4e38)), 3.4e38)
     with pytest.raises(Refused, match="beyond the largest coordinate"):
         space.back(0.5 * np.eye(3), np.full((2, 3), 3.4e38))
+
+
+def test_what_moves_with_the_first_object_does_not_move():
+    part = MATRIX @ np.diag([1, 2, 3, 1.0])
+    part[:3, 3] = [1, 2, 3]
+    turned = np.array([[0.0, 0, 1, 4], [0, 2, 0, 5], [-1, 0, 0, 6], [0, 0, 0, 1]])
+    moved = [np.asarray(turned @ matrix, dtype=np.float32).astype(float) for matrix in (MATRIX, part)]
+    assert space.part_motion(MATRIX, part, *moved) is None
+    assert space.part_motion(MATRIX, part, MATRIX, moved[1]) is not None
+
+
+def test_the_motion_of_a_part_is_that_in_the_first_objects_coordinates():
+    part, now = np.eye(4), np.array([[0.0, -1, 0, 4], [1, 0, 0, 5], [0, 0, 1, 6], [0, 0, 0, 1]])
+    first = MATRIX @ np.diag([1, 2, 1, 1.0])
+    point = np.array([0.3, 0.2, 0.1, 1])
+    motion = space.part_motion(MATRIX, part, first, now)
+    in_solve_space = point[:3] - MATRIX[:3, 3]
+    seen = MATRIX[:3, :3] @ (np.linalg.inv(first) @ now @ point)[:3]
+    assert_allclose(motion[:3, :3] @ in_solve_space + motion[:3, 3], seen, atol=1e-12)

@@ -1,6 +1,6 @@
 import lissom
 import pytest
-from lissom_addon_core.work import Work
+from lissom_addon_core.work import Block, Work
 
 
 class Pause:
@@ -66,3 +66,34 @@ def test_what_a_piece_raises_comes_out():
 
     with pytest.raises(lissom.SolveFailed, match="why"):
         Work(steps()).wait()
+
+
+def test_a_block_tells_how_far_the_whole_row_is():
+    def steps():
+        for before, length in ((0, 4), (4, 2)):
+            yield Block(Pause(0.5, "solving"), before, length, 6, "frame")
+
+    work = Work(steps())
+    assert work.progress == (pytest.approx(2 / 6), "frame 3 of 6")
+    assert not work.poll()
+    assert work.progress == (pytest.approx(5 / 6), "frame 6 of 6")
+    assert Block(Pause(1.0, ""), 4, 2, 6, "frame").progress == (1.0, "frame 6 of 6")
+
+
+def test_a_job_that_fails_has_the_steps_clean_up_at_once():
+    class Failing(Pause):
+        def result(self):
+            raise lissom.Error("no")
+
+    log = []
+
+    def steps():
+        try:
+            yield Failing(0.0, "")
+        finally:
+            log.append("clean")
+
+    work = Work(steps())
+    with pytest.raises(lissom.Error):
+        work.poll()
+    assert log == ["clean"]

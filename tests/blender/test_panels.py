@@ -231,6 +231,30 @@ def test_transfer_passes_its_settings_on(panels):
     assert "changed since the last fit" in text(draw(panels["transfer"]))
 
 
+def test_one_button_transfers_what_is_chosen(panels):
+    settings = bpy.context.scene.lissom_transfer
+    settings.source, settings.target = scene.tube(name="Source"), scene.tube(name="Target")
+    settings.pose_name, settings.exists, settings.contact = "Open", "RENAME", True
+    settings.bake_step, settings.bake_path, settings.match_distance = 3, "/a.pc2", 0.03
+    shared = {"match_distance": settings.match_distance, "source_mask": "", "target_mask": ""}
+    shared |= {"unmatched": "follow", "contact": True, "name": "Open"}
+    wanted = {
+        "POSE": ("pose", shared | {"exists": "RENAME"}),
+        "ANIMATION": ("animation", shared | {"step": 3, "output": "KEYS", "cache_path": "/a.pc2"}),
+    }
+    for what, (operator, properties) in wanted.items():
+        settings.what = what
+        drawn = draw(panels["transfer"])
+        assert drawn["operators"][f"lissom.transfer_{operator}"] == [properties]
+        assert (
+            sum(name.startswith("lissom.transfer_") for name in drawn["operators"]) == 3
+        )  # fit and parts too
+        assert "drivers" not in drawn["settings"]
+    assert "bake_path" not in drawn["settings"] and "frame_start" in drawn["settings"]
+    settings.bake_output = "CACHE"
+    assert "bake_path" in draw(panels["transfer"])["settings"]
+
+
 def test_rows_of_markers_and_keys():
     source = scene.tube(name="Source")
     key = scene.add_key(source, "K", scene.points(source.data.vertices))
