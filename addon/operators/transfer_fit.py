@@ -13,7 +13,7 @@ from ..bridge import markers as bridge_markers
 from ..bridge.assembly import Assembly, both_sides
 from ..core.refused import Refused
 from ..core.transfer import fit_work
-from ..properties.transfer import mask_property, match_distance_property
+from ..properties.transfer import closest_property, mask_property, match_distance_property
 from .job import JobOperator, allowed
 from .transfer_markers import SOURCE, TARGET
 
@@ -58,7 +58,7 @@ class Request:
         self.pairs, self.warnings = bridge_markers.gather(
             context, sources, targets, operator.markers, operator.filepath
         )
-        self.options = {"match_distance": operator.match_distance}
+        self.options = {"match_distance": operator.match_distance, "closest": operator.closest}
         for side in ("source", "target"):
             group = getattr(operator, f"{side}_mask")
             if group:
@@ -128,6 +128,7 @@ class LISSOM_OT_transfer_fit(JobOperator, bpy.types.Operator):
     markers: StringProperty(**MARKERS)
     filepath: StringProperty(**MARKER_FILE)
     match_distance: match_distance_property()
+    closest: closest_property()
     source_mask: mask_property("Source")
     target_mask: mask_property("Target")
 

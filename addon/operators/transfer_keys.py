@@ -10,6 +10,7 @@ from ..core.refused import Refused, first
 from ..core.transfer import Keys, transfer_work
 from ..properties.transfer import (
     check_property,
+    closest_property,
     contact_property,
     drivers_property,
     drop_empty_property,
@@ -39,6 +40,7 @@ class LISSOM_OT_transfer_keys(JobOperator, bpy.types.Operator):
     markers: StringProperty(**MARKERS)
     filepath: StringProperty(**MARKER_FILE)
     match_distance: match_distance_property()
+    closest: closest_property()
     source_mask: mask_property("Source")
     target_mask: mask_property("Target")
     unmatched: unmatched_property()

@@ -93,7 +93,7 @@ SHOWN = {
     "contact_gap": "{:.2f} % apart",
 }
 KEY_OPTIONS = ("unmatched", "exists", "drivers", "contact", "drop_empty", "check")
-FIT_OPTIONS = ("match_distance", "source_mask", "target_mask")
+FIT_OPTIONS = ("match_distance", "closest", "source_mask", "target_mask")
 
 
 class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
@@ -118,6 +118,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         self._draw_markers(layout, context)
         column = split_column(layout)
         column.prop(settings, "match_distance")
+        column.prop(settings, "closest")
         for side in ("source", "target"):
             obj = getattr(settings, side)
             if obj is not None:
