@@ -81,7 +81,17 @@ def _suzanne(figures):
         f"From {figures['source_vertices']} vertices of skin to {figures['target_vertices']} "
         f"({figures['target_triangles']} triangles). {_transfer(figures)}"
     )
+    seen = figures["eye_visible_percent"]
+    blinks = ", ".join(
+        f"{name} {seen[f'{name} front']:.1f} % from the front and {seen[f'{name} above']:.1f} % from above"
+        for name in ("eyeBlink_L", "eyeBlink_R")
+    )
+    yield (
+        f"Of an eye's outline is seen: at rest {seen['None front']:.0f} %, in {blinks}. Over all keys, "
+        f"{figures['flipped_percent']:.2f} % of the triangles are turned over."
+    )
     yield "![Transfer to Suzanne](suzanne.png)"
+    yield "![All keys on Suzanne](suzanne_keys.png)"
 
 
 def _transfer(figures):

@@ -31,7 +31,7 @@ from studio import SAMPLES, Studio, publish  # noqa: E402
 import addon  # noqa: E402
 
 ARCS = ("lid", "jaw", "blink", "twist")
-PICTURES = ("pose", "remeshed", "suzanne", "inbetween", *ARCS)
+PICTURES = ("pose", "remeshed", "suzanne", "suzanne_keys", "inbetween", *ARCS)
 
 
 def main(arguments):
@@ -51,7 +51,9 @@ def main(arguments):
     figures["pose"] = pose.run(face, made, studio, pictures["pose"])
     obj = source.make("ICT face", face, given, scene.collection("2 ICT face"), (3.0, 0, 0))
     figures["remeshed"] = remeshed.run(face, obj, made, studio, folder, pictures["remeshed"])
-    figures["suzanne"] = suzanne.run(face, obj, given, made, studio, pictures["suzanne"])
+    figures["suzanne"] = suzanne.run(
+        face, obj, given, made, studio, pictures["suzanne"], pictures["suzanne_keys"]
+    )
     figures["inbetween"] = inbetween.run(face, given, made, studio, pictures["inbetween"])
     figures["arcs"] = arcs.run(face, given, made, studio, pictures)
     figures["picture_seconds"] = studio.seconds

@@ -17,7 +17,7 @@ MIXES = {
     "kiss": {"mouthPucker": 1.0, "mouthFunnel": 0.5},
 }
 WINK = {"wink": {"eyeBlink_L": 1.0, **_both("cheekPuff", 0.8)}}
-SADNESS = {"sadness": {**_both("mouthFrown"), **_both("browInnerUp")}}
+BLINK = {"blink": _both("eyeBlink")}
 
 
 def make(name, face, given, into, location):

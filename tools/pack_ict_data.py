@@ -27,11 +27,8 @@ PARTS = [
 
 IDENTITY = "identity000"  # of the three at hand the one furthest from the neutral face
 
-EXPRESSIONS = [
-    "browDown_L", "browDown_R", "browInnerUp_L", "browInnerUp_R", "cheekPuff_L", "cheekPuff_R",
-    "eyeBlink_L", "eyeBlink_R", "jawLeft", "jawOpen", "mouthFrown_L", "mouthFrown_R", "mouthFunnel",
-    "mouthPucker", "mouthSmile_L", "mouthSmile_R", "noseSneer_L", "noseSneer_R",
-]  # fmt: skip
+# The 53 that are ARKit's, tongue apart, where brows and cheeks have two sides; left out are these.
+NOT_STANDARD = ("PupilDilate_L", "PupilDilate_R", "cheekRaiser_L", "cheekRaiser_R")
 
 # One step of the stored integers in centimetres: a micrometre. Rounding moves a coordinate by half of it at
 # most, about one part in a million of the head's diagonal.
@@ -51,8 +48,9 @@ def main():
     loops = np.concatenate([renumbered[face["loops"][corners[p] : corners[p + 1]]] for p in polygons])
     assert loops.min() == 0, "a kept polygon uses a vertex that is left out"
 
-    expression_names = list(face["expression_names"])
-    expressions = face["expressions"][[expression_names.index(name) for name in EXPRESSIONS]][:, vertices]
+    standard = ~np.isin(face["expression_names"], NOT_STANDARD)
+    expression_names = face["expression_names"][standard]
+    expressions = face["expressions"][standard][:, vertices]
     identity = face["identities"][list(face["identity_names"]).index(IDENTITY)][vertices]
 
     def in_steps(offsets):
@@ -69,7 +67,7 @@ def main():
         neutral=in_steps(face["neutral"][vertices]),
         identity=in_steps(identity),
         expressions=in_steps(expressions),
-        expression_names=np.array(EXPRESSIONS),
+        expression_names=expression_names,
         loops=loops,
         counts=face["counts"][polygons],
         landmarks=renumbered[face["landmarks"]],
@@ -79,7 +77,7 @@ def main():
     )
     print(
         f"{packed.relative_to(ROOT)}: {len(vertices)} vertices, {len(polygons)} polygons, "
-        f"{len(EXPRESSIONS)} expressions, {packed.stat().st_size / 1e6:.2f} MB"
+        f"{len(expression_names)} expressions, {packed.stat().st_size / 1e6:.2f} MB"
     )
 
 

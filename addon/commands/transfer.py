@@ -42,6 +42,7 @@ def configure(parser):
     add("--drivers", choices=("rewire", "keep", "none"), default="rewire", help="what becomes of drivers")
     add("--contact", action="store_true", help="lids and lips that meet on the source meet on the target")
     add("--drop-empty", action="store_true", help="leave out keys that do not move the target")
+    add("--tightness", type=float, default=5000.0, help="of the fit (5000); 50 or so for a cartoon's target")
     add("--match-distance", type=float, default=0.02, help="as a part of the target's diagonal (0.02)")
     add("--source-mask", default="", help="vertex group of the source that matches nothing")
     add("--target-mask", default="", help="vertex group of the target that matches nothing")
@@ -85,6 +86,7 @@ def _common(arguments, sources):
         "unmatched": arguments.loose_parts,
         "contact": arguments.contact,
         "match_distance": arguments.match_distance,
+        "closest": arguments.tightness,
         "source_mask": arguments.source_mask,
         "target_mask": arguments.target_mask,
     }
@@ -147,6 +149,8 @@ def _check(arguments):
             raise Refused(f"--{name}: there is no folder for '{path}'")
     if not 0 < arguments.match_distance <= 1:
         raise Refused("--match-distance: choose a part of the diagonal, above 0 and at most 1")
+    if not 1 <= arguments.tightness <= 1e6:
+        raise Refused("--tightness: choose a number from 1 to 1000000")
 
 
 def _absolute(path):

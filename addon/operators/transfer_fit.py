@@ -14,6 +14,7 @@ from ..bridge.assembly import Assembly, both_sides
 from ..core.refused import Refused
 from ..core.transfer import fit_work
 from ..properties.transfer import (
+    closest_property,
     contact_property,
     mask_property,
     match_distance_property,
@@ -43,6 +44,7 @@ class FitProperties:
     markers: StringProperty(**MARKERS)
     filepath: StringProperty(**MARKER_FILE)
     match_distance: match_distance_property()
+    closest: closest_property()
     source_mask: mask_property("Source")
     target_mask: mask_property("Target")
 
@@ -99,7 +101,7 @@ class Request:
         self.pairs, self.warnings = bridge_markers.gather(
             context, sources, targets, operator.markers, operator.filepath
         )
-        self.options = {"match_distance": operator.match_distance}
+        self.options = {"match_distance": operator.match_distance, "closest": operator.closest}
         for side in ("source", "target"):
             group = getattr(operator, f"{side}_mask")
             if group:

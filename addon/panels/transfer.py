@@ -99,7 +99,7 @@ SHOWN = {
 KEY_OPTIONS = ("unmatched", "exists", "drivers", "contact", "drop_empty", "check")
 POSE_OPTIONS = ("unmatched", "exists", "contact")
 ANIMATION_OPTIONS = ("unmatched", "contact")
-FIT_OPTIONS = ("match_distance", "source_mask", "target_mask")
+FIT_OPTIONS = ("match_distance", "closest", "source_mask", "target_mask")
 
 
 class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
@@ -124,6 +124,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         self._draw_markers(layout, context)
         column = split_column(layout)
         column.prop(settings, "match_distance")
+        column.prop(settings, "closest")
         for side in ("source", "target"):
             obj = getattr(settings, side)
             if obj is not None:

@@ -46,6 +46,19 @@ def match_distance_property():
     )
 
 
+def closest_property():
+    """The option of the same name of lissom.start_fit."""
+    return FloatProperty(
+        name="Tightness",
+        description="How tightly the source is pulled onto the target. Less for a target of quite other "
+        "proportions, such as a cartoon's: 50 or so keeps the source from folding there",
+        default=5000.0,
+        min=1.0,
+        max=1e6,
+        precision=0,
+    )
+
+
 def mask_property(side):
     """A vertex group of the source or the target, for the option of lissom.start_fit of that name."""
     return StringProperty(
@@ -253,6 +266,7 @@ class LissomTransfer(bpy.types.PropertyGroup):
     )
     chosen: CollectionProperty(type=LissomKeyChoice)
     match_distance: match_distance_property()
+    closest: closest_property()
     source_mask: mask_property("Source")
     target_mask: mask_property("Target")
     unmatched: unmatched_property()

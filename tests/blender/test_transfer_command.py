@@ -72,6 +72,7 @@ def test_the_source_may_come_from_another_file(files):
         (("--file", "target.blend"), "There is no object named 'Source'"),
         (("--file", "target.blend", "--source-file", "target.blend"), "There is no object named 'Source'"),
         (("--file", "both.blend", "--match-distance", "0"), "--match-distance"),
+        (("--file", "both.blend", "--tightness", "0"), "--tightness"),
     ],
 )
 def test_bad_input_writes_nothing(files, words, message, capfd, monkeypatch):

@@ -8,6 +8,7 @@
 //! and coordinates as right-hand sides of one factorization; then every component is put in its
 //! place ([`super::place`]). Displacements are solved for, so a key that moves nothing moves nothing.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -17,8 +18,9 @@ use super::anchor::Anchors;
 use super::choose::{Chooser, SourceKey};
 use super::contact::{self, Contact};
 use super::correspondence::Correspondence;
+use super::obstacle::Obstacles;
 use super::place::Placer;
-use crate::linear::{Columns, Constraints, REGULARIZED, SymmetricMatrix};
+use crate::linear::{Columns, ConstrainedSystem, Constraints, REGULARIZED, SymmetricMatrix};
 use crate::stitch::Stitcher;
 use crate::{Error, Fault, Job, Mesh, Result, Vec3, memory};
 
@@ -68,6 +70,9 @@ impl Default for TransferOptions {
     }
 }
 
+/// How often what is missing to stay out of solids is asked for.
+const ASKED: usize = 10;
+
 /// Longest `l`: it still says where a component is.
 const LONGEST: f64 = 1e3;
 
@@ -93,6 +98,8 @@ pub struct Transfer {
     pub(super) chooser: Chooser,
     pub(super) anchors: Anchors,
     placer: Placer,
+    /// With contact: the system that closes them, and what is in the way.
+    closing: Option<(ConstrainedSystem, Option<Obstacles>)>,
     stitcher: Stitcher,
     /// `w_t` over the area of the triangle.
     pub(super) weights: Vec<f64>,
@@ -134,6 +141,10 @@ impl Transfer {
         let stitcher = Stitcher::with_matrix(&target, &matrix, constraints, job)?;
         job.check()?;
         let placer = Placer::new(&source, &target, &matrix, &chooser, &anchors, options.unmatched);
+        let closing = match options.contact {
+            true => Some((contact::system(&target, &matrix, job)?, Obstacles::of(&target))),
+            false => None,
+        };
         let policy = match options.unmatched {
             Unmatched::Follow => "they follow the nearest matched surface rigidly",
             Unmatched::Rest => "they stay at rest",
@@ -153,6 +164,7 @@ impl Transfer {
             chooser,
             anchors,
             placer,
+            closing,
             stitcher,
             weights,
             warnings,
@@ -255,14 +267,49 @@ impl Transfer {
         contact::contacts(&self.source, &self.target, &self.used, key, moved, size)
     }
 
+    /// The displacements, placed, with contacts closed and nothing pushed into solids.
+    fn close(
+        &self,
+        system: &ConstrainedSystem,
+        obstacles: Option<&Obstacles>,
+        Moving { key, moved, moves }: &Moving,
+        stitched: Vec<Vec3>,
+    ) -> Vec<Vec3> {
+        let with = |contacts: &[Contact]| {
+            let mut displacements = stitched.clone();
+            contact::close(&self.target, system, contacts, &mut displacements);
+            self.placer.place(&self.target, &self.chooser, key, moves, &mut displacements);
+            displacements
+        };
+        let contacts = self.contacts(key, moved);
+        let mut displacements = with(&contacts);
+        let Some(obstacles) = obstacles else { return displacements };
+        let mut met = vec![false; displacements.len()];
+        contacts.iter().flat_map(Contact::vertices).for_each(|v| met[v as usize] = true);
+        let mut points: BTreeMap<u32, Vec3> = BTreeMap::new();
+        for _ in 0..ASKED {
+            let short = obstacles.short(&self.target, &met, &displacements);
+            if short.is_empty() {
+                break;
+            }
+            for (v, by) in short {
+                let at = self.target.rest()[v as usize] + displacements[v as usize];
+                *points.entry(v).or_insert(at) += by;
+            }
+            let pulls = points.iter().map(|(&v, &point)| Contact::with_point(&self.target, v, point));
+            displacements = with(&contacts.iter().cloned().chain(pulls).collect::<Vec<_>>());
+        }
+        displacements
+    }
+
     /// From displacements in unit coordinates, up to a translation, to positions.
     fn finish(&self, moving: &Moving, mut displacements: Vec<Vec3>) -> Result<Vec<Vec3>> {
-        let Moving { key, moved, moves } = moving;
-        if self.options.contact {
-            let contacts = self.contacts(key, moved);
-            contact::close(&self.target, self.stitcher.system(), &contacts, &mut displacements);
+        if let Some((system, obstacles)) = &self.closing {
+            displacements = self.close(system, obstacles.as_ref(), moving, displacements);
+        } else {
+            let Moving { key, moves, .. } = moving;
+            self.placer.place(&self.target, &self.chooser, key, moves, &mut displacements);
         }
-        self.placer.place(&self.target, &self.chooser, key, moves, &mut displacements);
         self.target.follow(&mut displacements);
         let scale = self.target.frame().scale;
         let positions: Vec<Vec3> =

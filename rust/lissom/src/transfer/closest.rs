@@ -71,7 +71,12 @@ impl Surface {
 
     /// The nearest point of all; `None` for a surface without triangles or a point that is not finite.
     pub fn closest_point(&self, point: Vec3) -> Option<Hit> {
-        self.nearest(point, f64::INFINITY, |t| Some(self.project(t, point)))
+        self.closest_point_within(point, f64::INFINITY)
+    }
+
+    /// The same, no further away than `reach`.
+    pub fn closest_point_within(&self, point: Vec3, reach: f64) -> Option<Hit> {
+        self.nearest(point, reach, |t| Some(self.project(t, point)))
     }
 
     /// The nearest point where the surface faces the way of `normal`; `None` where nothing does.

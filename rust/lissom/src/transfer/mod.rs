@@ -35,6 +35,7 @@ pub mod fit;
 mod image;
 mod markers;
 mod matching;
+mod obstacle;
 mod partners;
 mod place;
 pub mod quality;
