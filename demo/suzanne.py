@@ -176,7 +176,7 @@ def _tiles(obj, suzanne, eyes, pairs):
 
 def _all_keys(suzanne, eyes, names):
     """Rest and every key on its own, in rows."""
-    frame = {"centre": (0.03, -0.36), "height": 2.2, "turn": 10, "text": 1.5}
+    frame = {"centre": (0.03, -0.38), "height": 2.15, "turn": 10, "text": 1.2}
     tiles = [
         Tile(
             [scene.posed(suzanne, {name: 1.0} if name else {}), scene.posed(eyes, {})],
