@@ -71,8 +71,7 @@ impl Obstacles {
             }
         }
         let largest = areas.iter().copied().fold(0.0, f64::max);
-        let is_solid =
-            |&c: &usize| areas[c] < SMALLER * largest && (open[c] as f64) < OPEN * edges[c] as f64;
+        let is_solid = |&c: &usize| areas[c] < SMALLER * largest && (open[c] as f64) < OPEN * edges[c] as f64;
         let solids: Vec<Solid> = (0..areas.len())
             .filter(is_solid)
             .map(|component| {
@@ -101,8 +100,7 @@ impl Obstacles {
                 }
                 let now = depth(posed, at + d).filter(|now| now.outside < CLEAR)?;
                 let corners = solid.triangles[now.triangle];
-                let carried: Vec3 =
-                    (0..3).map(|k| displacements[corners[k] as usize] * now.weights[k]).sum();
+                let carried: Vec3 = (0..3).map(|k| displacements[corners[k] as usize] * now.weights[k]).sum();
                 let before = depth(&solid.rest, at).map_or(CLEAR, |before| before.outside);
                 let beyond = ((d - carried).length() - before.abs()).max(0.0);
                 let wanted = if met[v as usize] { CLEAR } else { CLEAR.min(before + beyond) };
@@ -123,10 +121,5 @@ fn depth(surface: &Surface, point: Vec3) -> Option<Depth> {
     let hit = surface.closest_point_within(point, REACH)?;
     let out = surface.normals()[hit.triangle];
     let outside = if (point - hit.point).dot(out) < 0.0 { -hit.distance } else { hit.distance };
-    Some(Depth {
-        outside,
-        out,
-        triangle: hit.triangle,
-        weights: surface.weights(hit.triangle, hit.point),
-    })
+    Some(Depth { outside, out, triangle: hit.triangle, weights: surface.weights(hit.triangle, hit.point) })
 }
