@@ -24,7 +24,7 @@ EYE_CENTRE, IRIS_RADIUS = (0.353, 0.243), 0.13  # seen from the front, (x, z)
 # Pressed tightly onto a face of such other proportions the human one would fold. Her lids are to close over
 # her eyes, which stay as they are and match nothing: ICT's keys do not turn eyeballs.
 EYES = "Eyes"
-FIT = {"closest": 50.0, "target_mask": EYES}
+FIT = {"closest": 30.0, "target_mask": EYES}
 KEYS = {"contact": True, "unmatched": "rest"}
 
 ABOVE = 20.0  # degrees: where eyes are looked at from, besides from the front
@@ -176,7 +176,7 @@ def _tiles(obj, suzanne, eyes, pairs):
 
 def _all_keys(suzanne, eyes, names):
     """Rest and every key on its own, in rows."""
-    frame = {"centre": (0.03, -0.36), "height": 2.2, "turn": 10, "text": 1.5}
+    frame = {"centre": (0.03, -0.38), "height": 2.15, "turn": 10, "text": 1.2}
     tiles = [
         Tile(
             [scene.posed(suzanne, {name: 1.0} if name else {}), scene.posed(eyes, {})],

@@ -99,3 +99,47 @@ def test_what_does_not_move_stays_put_exactly(contact):
     behind = TARGET[:, 0] < 0.4 * LENGTH
     assert np.array_equal(result[behind], TARGET[behind])
     assert not np.array_equal(result, TARGET)
+
+
+def ball(centre, radius, rings=12, around=20):
+    """A closed sphere."""
+    polar, turn = np.meshgrid(
+        np.linspace(0, np.pi, rings + 1)[1:-1], np.arange(around) * 2 * np.pi / around, indexing="ij"
+    )
+    points = np.stack([np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar)], axis=-1)
+    points = np.concatenate([points.reshape(-1, 3), [[0, 0, 1], [0, 0, -1]]])
+    top, bottom = len(points) - 2, len(points) - 1
+    faces = []
+    for a in range(around):
+        b = (a + 1) % around
+        faces.append((top, a, b))
+        for r in range(rings - 2):
+            p, q = r * around, (r + 1) * around
+            faces += [(p + a, q + a, q + b), (p + a, q + b, p + b)]
+        last = (rings - 2) * around
+        faces.append((last + a, bottom, last + b))
+    return centre + radius * points, np.array(faces)
+
+
+def test_what_closes_goes_around_a_solid_part_of_the_target():
+    centre, radius = np.array([LENGTH / 2, 0.0, 0.9]), 0.2
+    points, faces = ball(centre, radius)
+    vertices = np.concatenate([TARGET, points])
+    own = np.arange(len(TARGET), len(vertices))
+    target = lissom.Mesh(vertices, np.concatenate([OTHER, faces + len(TARGET)]))
+    source = fitted()[0]
+    pairs = [
+        (column * (len(SOURCE) // COLUMNS) + a, column * (len(TARGET) // COLUMNS) + b)
+        for column in (0, 5, 10, 15, 20)
+        for a, b in ((0, 0), (59, 46), (30, 23), (63, 50), (122, 96), (15, 12), (45, 35))
+    ]
+    fit = lissom.fit_correspondence(source, target, pairs, target_mask=own)
+    deepest = {}
+    for contact in (False, True):
+        transfer = lissom.Transfer(source, target, fit, contact=contact, unmatched="rest")
+        result = transfer.apply([CLOSED]).vertices[0]
+        assert np.array_equal(result[own], points)
+        deepest[contact] = radius - np.linalg.norm(result[: len(TARGET)] - centre, axis=1).min()
+    assert np.linalg.norm(TARGET - centre, axis=1).min() > radius
+    assert deepest[False] > 0.3 * radius, "nothing to show"
+    assert deepest[True] < 0.1 * radius

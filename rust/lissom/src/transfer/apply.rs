@@ -18,7 +18,7 @@ use super::anchor::Anchors;
 use super::choose::{Chooser, SourceKey};
 use super::contact::{self, Contact};
 use super::correspondence::Correspondence;
-use super::obstacle::Obstacles;
+use super::obstacle::{Least, Obstacles};
 use super::place::Placer;
 use crate::linear::{Columns, ConstrainedSystem, Constraints, REGULARIZED, SymmetricMatrix};
 use crate::stitch::Stitcher;
@@ -98,8 +98,7 @@ pub struct Transfer {
     pub(super) chooser: Chooser,
     pub(super) anchors: Anchors,
     placer: Placer,
-    /// With contact: the system that closes them, and what is in the way.
-    closing: Option<(ConstrainedSystem, Option<Obstacles>)>,
+    closing: Option<Closing>,
     stitcher: Stitcher,
     /// `w_t` over the area of the triangle.
     pub(super) weights: Vec<f64>,
@@ -142,7 +141,11 @@ impl Transfer {
         job.check()?;
         let placer = Placer::new(&source, &target, &matrix, &chooser, &anchors, options.unmatched);
         let closing = match options.contact {
-            true => Some((contact::system(&target, &matrix, job)?, Obstacles::of(&target))),
+            true => Some(Closing {
+                system: contact::system(&target, &matrix, job)?,
+                obstacles: Obstacles::of(&target),
+                of_source: Obstacles::of(&source),
+            }),
             false => None,
         };
         let policy = match options.unmatched {
@@ -270,8 +273,7 @@ impl Transfer {
     /// The displacements, placed, with contacts closed and nothing pushed into solids.
     fn close(
         &self,
-        system: &ConstrainedSystem,
-        obstacles: Option<&Obstacles>,
+        Closing { system, obstacles, of_source }: &Closing,
         Moving { key, moved, moves }: &Moving,
         stitched: Vec<Vec3>,
     ) -> Vec<Vec3> {
@@ -284,11 +286,18 @@ impl Transfer {
         let contacts = self.contacts(key, moved);
         let mut displacements = with(&contacts);
         let Some(obstacles) = obstacles else { return displacements };
-        let mut met = vec![false; displacements.len()];
-        contacts.iter().flat_map(Contact::vertices).for_each(|v| met[v as usize] = true);
+        let least = match of_source {
+            Some(solids) => self.as_far_as_on_the_source(solids, key, moved),
+            None => {
+                let mut least = vec![Least::Travelled; displacements.len()];
+                let met = contacts.iter().flat_map(Contact::vertices);
+                met.for_each(|v| least[v as usize] = Least::Outside(f64::INFINITY));
+                least
+            }
+        };
         let mut points: BTreeMap<u32, Vec3> = BTreeMap::new();
         for _ in 0..ASKED {
-            let short = obstacles.short(&self.target, &met, &displacements);
+            let short = obstacles.short(&self.target, &least, &displacements);
             if short.is_empty() {
                 break;
             }
@@ -302,10 +311,27 @@ impl Transfer {
         displacements
     }
 
+    /// How far outside of solids the images of the target's vertices are.
+    fn as_far_as_on_the_source(&self, solids: &Obstacles, key: &SourceKey, moved: &[Vec3]) -> Vec<Least> {
+        let image = |(v, &moved): (usize, &Vec3)| {
+            let at = self.chooser.image(v)? + moved;
+            let triangle = self.used.images.get(v).copied().flatten()?.triangle;
+            Some((self.source.triangles()[triangle as usize][0], at))
+        };
+        let images: Vec<_> = moved.iter().enumerate().map(image).collect();
+        let outside = solids.outside(&self.source, &key.displacement, &images);
+        let size = |v: usize| self.target.components().of_vertex(v).map(|c| self.anchors.size(c));
+        let least = |v: usize| match images[v].and(size(v)) {
+            Some(size) => Least::Outside(outside[v].map_or(f64::INFINITY, |outside| outside * size)),
+            None => Least::Travelled,
+        };
+        (0..moved.len()).map(least).collect()
+    }
+
     /// From displacements in unit coordinates, up to a translation, to positions.
     fn finish(&self, moving: &Moving, mut displacements: Vec<Vec3>) -> Result<Vec<Vec3>> {
-        if let Some((system, obstacles)) = &self.closing {
-            displacements = self.close(system, obstacles.as_ref(), moving, displacements);
+        if let Some(closing) = &self.closing {
+            displacements = self.close(closing, moving, displacements);
         } else {
             let Moving { key, moves, .. } = moving;
             self.placer.place(&self.target, &self.chooser, key, moves, &mut displacements);
@@ -320,6 +346,14 @@ impl Transfer {
             Err(Error::SolveFailed("the result is beyond the range of floating point numbers".into()))
         }
     }
+}
+
+/// What contact needs besides.
+struct Closing {
+    system: ConstrainedSystem,
+    /// What is in the way on the target, and on the source.
+    obstacles: Option<Obstacles>,
+    of_source: Option<Obstacles>,
 }
 
 /// A key on its way.

@@ -1,16 +1,17 @@
 //! Obstacles: a lid that closes slides over the eye, and does not go through it.
 //!
-//! A solid component of the target, such as an eye or a row of teeth, keeps larger components out. With `s` the
-//! distance of a vertex from the solid, negative inside, a key may not go below
+//! A solid component of the target, such as an eye, keeps larger components out. With `s` the distance of a vertex
+//! from the solid, negative inside, a key may not go below
 //!
 //! ```text
-//!     min(CLEAR, s_rest + max(0, travel - |s_rest|))        travel = how far the vertex goes past the solid
+//!     min(CLEAR, that of its image on the source)                     where the source has solids, else
+//!     min(CLEAR, s_rest + max(0, travel - |s_rest|))                  travel = how far it goes past the solid
 //! ```
 //!
 //! so that what is inside at rest, as the rim of a lid often is, stays there as long as it hardly moves, and has
 //! come out once it has gone twice as far as it was deep. Where surfaces meet ([`super::contact`]) they meet
-//! outside. Vertices that fall short become pulls of [`super::contact`]
-//! towards where they should be; those are soft, so that what is still missing is asked for again.
+//! outside. Vertices that fall short become pulls of [`super::contact`] towards where they should be; those are
+//! soft, so that what is still missing is asked for again.
 
 use rayon::prelude::*;
 
@@ -19,6 +20,9 @@ use crate::{Mesh, Vec3};
 
 /// How far outside vertices are kept, a fraction of the target's diagonal: their triangles are then outside too.
 const CLEAR: f64 = 0.002;
+
+/// Less than this is not worth a pull: fits are no nearer.
+const SLACK: f64 = 0.0005;
 
 /// Vertices further inside are on the other side of something else.
 const REACH: f64 = 0.05;
@@ -29,10 +33,22 @@ const OPEN: f64 = 0.05;
 /// ... and less than this of the area of what gives way to them.
 const SMALLER: f64 = 0.5;
 
-/// ... and points as far from their centre, within this fraction of the distance: eyes, not teeth.
-const ROUND: f64 = 0.25;
+/// ... that are convex: of so many triangles, points further in front than this part of the size are fewer than this
+/// part of all.
+const SAMPLES: usize = 200;
+const DENT: f64 = 0.02;
+const DENTED: f64 = 0.01;
 
-/// The solids of a target.
+/// How far outside of the solids a vertex has to be.
+#[derive(Debug, Clone, Copy)]
+pub enum Least {
+    /// So far, in unit coordinates.
+    Outside(f64),
+    /// As far as its own way tells.
+    Travelled,
+}
+
+/// The solids of a mesh.
 pub struct Obstacles {
     solids: Vec<Solid>,
     /// The area of each component.
@@ -54,7 +70,7 @@ struct Depth {
 }
 
 impl Obstacles {
-    /// Finds the solids of `target`; `None` where nothing gives way to any.
+    /// Finds the solids of a mesh; `None` where nothing gives way to any.
     pub fn of(target: &Mesh) -> Option<Self> {
         let components = target.components();
         let component = |v: u32| components.of_vertex(v as usize);
@@ -78,7 +94,7 @@ impl Obstacles {
         let solids: Vec<Solid> = triangles
             .into_iter()
             .enumerate()
-            .filter(|(c, triangles)| is_solid(c) && round(target, triangles))
+            .filter(|(c, triangles)| is_solid(c) && convex(target, triangles))
             .map(|(component, triangles)| {
                 let rest = surface(&triangles, |v| target.rest()[v as usize]);
                 Solid { component, triangles, rest }
@@ -87,28 +103,57 @@ impl Obstacles {
         (!solids.is_empty()).then_some(Self { solids, areas })
     }
 
+    fn posed(&self, mesh: &Mesh, displacements: &[Vec3]) -> Vec<Surface> {
+        let at = |v: u32| mesh.rest()[v as usize] + displacements[v as usize];
+        self.solids.iter().map(|solid| surface(&solid.triangles, at)).collect()
+    }
+
+    /// For each point of a component, given with a vertex of it, how far it is outside of the solids once
+    /// `displacements` are on, negative inside; `None` where there is none near.
+    pub fn outside(
+        &self,
+        mesh: &Mesh,
+        displacements: &[Vec3],
+        points: &[Option<(u32, Vec3)>],
+    ) -> Vec<Option<f64>> {
+        let posed = self.posed(mesh, displacements);
+        let of = |point: &Option<(u32, Vec3)>| {
+            let (vertex, point) = (*point)?;
+            let own = mesh.components().of_vertex(vertex as usize)?;
+            let near = self.solids.iter().zip(&posed).filter(|(solid, _)| self.gives_way(own, solid));
+            near.filter_map(|(_, posed)| Some(depth(posed, point)?.outside)).min_by(f64::total_cmp)
+        };
+        points.par_iter().map(of).collect()
+    }
+
+    fn gives_way(&self, component: usize, solid: &Solid) -> bool {
+        self.areas[solid.component] < SMALLER * self.areas[component]
+    }
+
     /// Vertices that `displacements` take too far into a solid, and what they are short of, in unit coordinates.
-    /// Those that are `met` have to come out whatever their travel.
-    pub fn short(&self, target: &Mesh, met: &[bool], displacements: &[Vec3]) -> Vec<(u32, Vec3)> {
+    /// `least` says how far outside each must be, [`Least::Travelled`] where nothing else does.
+    pub fn short(&self, target: &Mesh, least: &[Least], displacements: &[Vec3]) -> Vec<(u32, Vec3)> {
         let rest = target.rest();
-        let posed: Vec<Surface> = (self.solids.iter())
-            .map(|solid| surface(&solid.triangles, |v| rest[v as usize] + displacements[v as usize]))
-            .collect();
+        let posed = self.posed(target, displacements);
         let of = |v: u32| {
             let d = displacements[v as usize];
             let own = target.components().of_vertex(v as usize).filter(|_| d != Vec3::ZERO)?;
             let at = rest[v as usize];
-            let short = self.solids.iter().zip(&posed).filter_map(|(solid, posed)| {
-                if self.areas[solid.component] >= SMALLER * self.areas[own] {
-                    return None;
-                }
+            let near = self.solids.iter().zip(&posed).filter(|(solid, _)| self.gives_way(own, solid));
+            let short = near.filter_map(|(solid, posed)| {
                 let now = depth(posed, at + d).filter(|now| now.outside < CLEAR)?;
-                let corners = solid.triangles[now.triangle];
-                let carried: Vec3 = (0..3).map(|k| displacements[corners[k] as usize] * now.weights[k]).sum();
-                let before = depth(&solid.rest, at).map_or(CLEAR, |before| before.outside);
-                let beyond = ((d - carried).length() - before.abs()).max(0.0);
-                let wanted = if met[v as usize] { CLEAR } else { CLEAR.min(before + beyond) };
-                (now.outside < wanted).then(|| now.out * (wanted - now.outside))
+                let wanted = match least[v as usize] {
+                    Least::Outside(distance) => distance.min(CLEAR),
+                    Least::Travelled => {
+                        let corners = solid.triangles[now.triangle];
+                        let carried: Vec3 =
+                            (0..3).map(|k| displacements[corners[k] as usize] * now.weights[k]).sum();
+                        let before = depth(&solid.rest, at).map_or(CLEAR, |before| before.outside);
+                        let beyond = ((d - carried).length() - before.abs()).max(0.0);
+                        CLEAR.min(before + beyond)
+                    }
+                };
+                (now.outside < wanted - SLACK).then(|| now.out * (wanted - now.outside))
             });
             let short: Vec3 = short.sum();
             (short != Vec3::ZERO).then_some((v, short))
@@ -117,14 +162,21 @@ impl Obstacles {
     }
 }
 
-/// Whether a surface is about a sphere: its triangles lie as far from their centre, within [`ROUND`].
-fn round(target: &Mesh, triangles: &[[u32; 3]]) -> bool {
-    let corners = || triangles.iter().flatten().map(|&v| target.rest()[v as usize]);
-    let count = (3 * triangles.len()) as f64;
-    let centre = corners().sum::<Vec3>() / count;
-    let mean = corners().map(|p| p.distance(centre)).sum::<f64>() / count;
-    let variance = corners().map(|p| (p.distance(centre) - mean).powi(2)).sum::<f64>() / count;
-    variance.sqrt() < ROUND * mean
+/// Whether a closed surface is convex, as eyes are and teeth are not: only there is a side certain. Hardly any of its
+/// points lie in front of any of its triangles.
+fn convex(mesh: &Mesh, triangles: &[[u32; 3]]) -> bool {
+    let at = |t: &[u32; 3]| t.map(|v| mesh.rest()[v as usize]);
+    let corners = || triangles.iter().map(|t| at(t)[0]);
+    let (low, high) = corners().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+    let near = DENT * low.distance(high);
+    let some = || triangles.iter().step_by(triangles.len().div_ceil(SAMPLES));
+    let in_front = |t: &[u32; 3]| {
+        let [a, b, c] = at(t);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        corners().filter(|p| (*p - a).dot(normal) > near).count()
+    };
+    let count: usize = some().map(in_front).sum();
+    (count as f64) < DENTED * (some().count() * triangles.len()) as f64
 }
 
 fn surface(triangles: &[[u32; 3]], at: impl Fn(u32) -> Vec3) -> Surface {
