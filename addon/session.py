@@ -10,6 +10,7 @@ status = {}  # name of a mesh object -> (icon, text) about its live pose
 fit = None  # operators.transfer_fit.Memory: the last fit
 work = None  # core.work.Work that a modal operator runs now; there is at most one
 work_of = ""  # bl_idname of that operator
+colours = {}  # session_uid of a mesh object -> its active colour attribute before the colours of a fit
 shadings = {}  # (screen, place of the area) -> shading of a 3D view before the colours of a fit
 picking = None  # bridge.picking.Picking while markers are picked
 history = 0  # counts undo, redo and file loading
@@ -22,4 +23,5 @@ def clear():
     rebinding.clear()
     status.clear()
     shadings.clear()
+    colours.clear()
     fit = picking = None

@@ -3,6 +3,8 @@
 Where a curve lies in the file changed with 4.4: an action has slots, and each its bag of curves.
 """
 
+import contextlib
+
 import bpy
 
 _PLACES = ("co", "handle_left", "handle_right")
@@ -68,31 +70,50 @@ def remove(block, path):
         _curves(block).remove(found)
 
 
-def copy_driver(block, path, target, target_path, instead):
+def copy_driver(block, path, target, target_path, instead, paths):
     """Copies the driver of a property, if it has one, to another; reads ``instead`` of one ID another.
 
-    ``instead`` has pairs of IDs. A custom property that the copy then misses comes along.
+    ``instead`` has pairs of IDs, ``paths`` says what a path of ``block`` is called on ``target``. A custom
+    property that the copy then misses comes along. Returns what it still reads at its old place, since the
+    new one has nothing like it.
     """
     source = driver(block, path)
     if source is None:
-        return
+        return []
     target.driver_remove(target_path)
     data = target.animation_data or target.animation_data_create()
     made = data.drivers.from_existing(src_driver=source)
     made.data_path = target_path
-    for goal in (goal for variable in made.driver.variables for goal in variable.targets):
-        for one, other in instead:
-            if goal.id == one:
-                _bring_property(one, other, goal.data_path)
-                goal.id = other
+    left = []
+    for variable in made.driver.variables:
+        for goal in variable.targets:
+            other = next((other for one, other in instead if one is not None and goal.id == one), None)
+            if other is None:
+                continue
+            there = paths.get(goal.data_path, goal.data_path) if goal.id == block else goal.data_path
+            if variable.type == "SINGLE_PROP":
+                _bring_property(goal.id, other, there)
+                if not _has(other, there):
+                    left.append(f"{there} of '{goal.id.name}'")
+                    continue
+            goal.id, goal.data_path = other, there
+    return left
+
+
+def _has(block, path):
+    try:
+        block.path_resolve(path)
+    except ValueError:
+        return False
+    return True
 
 
 def _bring_property(one, other, path):
-    own = list(one.keys())
-    for name in own:
-        if path == f'["{bpy.utils.escape_identifier(name)}"]' and name not in other:
+    for name in list(one.keys()):
+        if path.startswith(f'["{bpy.utils.escape_identifier(name)}"]') and name not in other:
             other[name] = one[name]
-            other.id_properties_ui(name).update_from(one.id_properties_ui(name))
+            with contextlib.suppress(TypeError):  # a group or text has none
+                other.id_properties_ui(name).update_from(one.id_properties_ui(name))
 
 
 def redirect(block, path, target, target_path):

@@ -6,7 +6,7 @@ import numpy as np
 from ..core import space
 from ..core.refused import Refused
 from . import groups
-from .checks import mesh_object
+from .checks import mesh_object, require_mesh
 from .meshes import Snapshot
 
 
@@ -19,7 +19,7 @@ def objects_of(context, side, names):
         if getattr(settings, side) is None:
             raise Refused(f"Choose the {side} object first")
         chosen = [getattr(settings, side), *(row.object for row in getattr(settings, f"{side}_parts"))]
-        found = [mesh_object(obj.name, context) for obj in chosen if obj is not None]
+        found = [require_mesh(obj) for obj in chosen if obj is not None]
     return list(dict.fromkeys(found))
 
 
@@ -29,15 +29,39 @@ def both_sides(context, source, target):
     both = [obj.name for obj in sides[0] if obj in sides[1]]
     if both:
         raise Refused(f"Source and target are the same object, '{both[0]}': choose two")
+    owners = {obj.data: obj for obj in sides[0]}
+    for obj in sides[1]:
+        other = owners.setdefault(obj.data, obj)
+        if other != obj:
+            raise Refused(
+                f"'{other.name}' and '{obj.name}' have one mesh in common: give each its own first "
+                "(Object > Relations > Make Single User)"
+            )
     return sides
+
+
+def world_matrix(obj):
+    """(4, 4): where an object is; Refused where only its evaluation tells, and Blender leaves that out.
+
+    What is hidden in viewports, or in a collection that is excluded, has the matrix of when it was last seen.
+    """
+    if obj.visible_get() or obj.hide_get():
+        return np.array(obj.matrix_world, dtype=np.float64)
+    if obj.constraints or (obj.parent and obj.parent_type != "OBJECT"):
+        raise Refused(f"'{obj.name}' is hidden, and Blender does not say where it is: show it first")
+    own = np.array(obj.matrix_basis, dtype=np.float64)
+    if obj.parent is None:
+        return own
+    return world_matrix(obj.parent) @ np.array(obj.matrix_parent_inverse, dtype=np.float64) @ own
 
 
 class Assembly:
     """Mesh objects as one mesh, in the solve space of the first: its location is the origin."""
 
     def __init__(self, objects):
-        self.parts = [Snapshot.of(obj, space.linear_part(obj.matrix_world, obj.name)) for obj in objects]
-        self._matrices = np.array([obj.matrix_world for obj in objects], dtype=np.float64)
+        self._matrices = np.array([world_matrix(obj) for obj in objects])
+        matrices = zip(objects, self._matrices, strict=True)
+        self.parts = [Snapshot.of(obj, space.linear_part(matrix, obj.name)) for obj, matrix in matrices]
         self._offsets = self._matrices[:, :3, 3] - self._matrices[0, :3, 3]
         counts = [len(part.vertices) for part in self.parts]
         self._starts = np.concatenate([[0], np.cumsum(counts)])
@@ -54,7 +78,7 @@ class Assembly:
 
     def objects(self):
         """The objects as they are now; for use in the same breath."""
-        return [bpy.data.objects[name] for name in self.names]
+        return [bpy.data.objects[part.key] for part in self.parts]
 
     def find(self):
         """The objects again, or Refused where one is gone or was remodelled meanwhile (row 42)."""
@@ -108,3 +132,10 @@ class Assembly:
             if group in obj.vertex_groups
         ]
         return np.concatenate(found) if found else groups.mask(self.objects()[0], group)
+
+    def weights(self, group):
+        """(n,): the weight of every vertex in a vertex group; None where no object has it."""
+        objects = self.objects()
+        if not any(group in obj.vertex_groups for obj in objects):
+            return None
+        return np.concatenate([groups.weights(obj, group) for obj in objects])

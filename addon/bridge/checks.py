@@ -15,6 +15,11 @@ def mesh_object(name, context):
         obj = active_mesh(context)
         if obj is None:
             raise Refused("Select a mesh object first")
+    return require_mesh(obj)
+
+
+def require_mesh(obj):
+    """The object; Refused where it is none of a mesh."""
     if obj.type != "MESH":
         raise Refused(f"Object '{obj.name}' is no mesh: choose a mesh object")
     return obj

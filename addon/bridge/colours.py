@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 
 from .. import session
+from ..core.refused import Refused
 
 NAME = "Lissom Fit"
 
@@ -12,6 +13,10 @@ def show(obj, colours):
     """Puts (n, 4) linear colours on the vertices of a mesh object as its active colour attribute."""
     hide(obj)
     attributes = obj.data.color_attributes
+    if NAME in obj.data.attributes:
+        raise Refused(f"'{obj.name}' has an attribute '{NAME}' that is no colour of ours: rename it first")
+    if attributes.active_color is not None:
+        session.colours[obj.session_uid] = attributes.active_color.name
     made = attributes.new(NAME, "FLOAT_COLOR", "POINT")
     made.data.foreach_set("color", np.ascontiguousarray(colours, dtype=np.float32).ravel())
     attributes.active_color = attributes[NAME]
@@ -21,8 +26,13 @@ def show(obj, colours):
 def hide(obj):
     """Takes them away."""
     found = obj.data.color_attributes.get(NAME)
-    if found is not None:
-        obj.data.color_attributes.remove(found)
+    if found is None:
+        return
+    attributes = obj.data.color_attributes
+    attributes.remove(found)
+    before = session.colours.pop(obj.session_uid, None)
+    if before is not None and before in attributes:
+        attributes.active_color = attributes[before]
 
 
 def shown(obj):

@@ -32,6 +32,21 @@ def members(obj, names):
     return {name: indices for name, (indices, _) in weighted_members(obj, names).items()}
 
 
+def weights(obj, name):
+    """(n,): the weight of every vertex in a group, 0 without one."""
+    found = np.zeros(len(obj.data.vertices))
+    for indices, values in weighted_members(obj, [name]).values():
+        found[indices] = values
+    return found
+
+
+def make(obj, name, values):
+    """Makes a vertex group of (n,) weights; those of 0 stay out of it."""
+    group = obj.vertex_groups.new(name=name)
+    for index in np.flatnonzero(values > 0).tolist():
+        group.add([index], float(min(values[index], 1.0)), "REPLACE")
+
+
 def mask(obj, name):
     """The vertices of a group that is named as a mask, (k,); Refused where there is none (row 25)."""
     found = members(obj, [name])

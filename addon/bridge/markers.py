@@ -84,6 +84,8 @@ def _found_again(pairs, ends, changed):
         if not other or not placed:
             continue
         vertices = rest_positions(obj.data)
+        if not len(vertices):
+            raise Refused(f"'{obj.name}' has no vertices: choose another object")
         found, away = marks.nearest(vertices, np.array([pairs[number].place(side) for number in placed]))
         far = np.flatnonzero(away > marks.FAR * marks.diagonal(vertices))
         if len(far):

@@ -96,6 +96,7 @@ class Snapshot:
     """A mesh object as arrays, and by name: it outlives undo and deletion of the object."""
 
     name: str
+    library: str | None
     uid: int
     topology: str
     in_scene: bool
@@ -110,6 +111,7 @@ class Snapshot:
         mesh = obj.data
         return cls(
             name=obj.name,
+            library=obj.library.filepath if obj.library else None,
             uid=obj.session_uid,
             topology=signature(mesh),
             in_scene=bool(obj.users_scene),
@@ -118,13 +120,18 @@ class Snapshot:
             triangles=triangles(mesh),
         )
 
+    @property
+    def key(self):
+        """By which bpy.data.objects has it, also beside a linked object of the same name."""
+        return self.name, self.library
+
     def geometry(self):
         """(vertices, triangles) in solve space."""
         return space.into(self.linear, self.vertices), space.outward(self.linear, self.triangles)
 
     def find(self):
         """The object again, or Refused where it was deleted, replaced or remodelled meanwhile (row 42)."""
-        obj = bpy.data.objects.get(self.name)
+        obj = bpy.data.objects.get(self.key)
         if obj is None or obj.session_uid != self.uid or (self.in_scene and not obj.users_scene):
             raise Refused(f"Object '{self.name}' is gone: nothing was changed")
         if signature(obj.data) != self.topology:

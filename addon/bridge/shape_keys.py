@@ -92,8 +92,18 @@ def write(obj, name, vertices, settings=None, relative=None):
     key.relative_key = relative or basis
     if settings:
         apply(key, settings, obj)
+    _shift_relatives(key, vertices - shape(key), {key.name})
     write_points(key, vertices)
     return key
+
+
+def _shift_relatives(key, delta, seen):
+    """Keys that count from this one go along with it, so that each keeps what it adds."""
+    for other in key.id_data.key_blocks:
+        if other.relative_key == key and other.name not in seen:
+            seen.add(other.name)
+            _shift_relatives(other, delta, seen)
+            write_points(other, shape(other) + delta)
 
 
 def apply(key, settings, obj):

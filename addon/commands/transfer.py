@@ -15,6 +15,7 @@ from ..properties.transfer import EXISTS_ITEMS
 
 SUMMARY = "carry shape keys, a pose or animation of one mesh over to another of different topology"
 DONE, BAD_INPUT, PARTLY_DONE = 0, 2, 3
+MAX_FRAME = 1_048_574
 
 
 def configure(parser):
@@ -56,14 +57,14 @@ def run(arguments):
     try:
         _check(arguments)
         bpy.ops.wm.open_mainfile(filepath=_absolute(arguments.file), load_ui=False)
+        arguments.target = list(dict.fromkeys(arguments.target))
         targets = [checks.mesh_object(name, bpy.context) for name in arguments.target]
         sources, brought = _sources(arguments)
         transfer = next((run for name, run in INSTEAD.items() if getattr(arguments, name)), _transfer_keys)
         report = {"source": [source.name for source in sources], "target": arguments.target, "errors": []}
         report |= transfer(arguments, sources, _common(arguments, sources))
         report |= {"fit": session.fit.fit.report, "seconds": round(time.perf_counter() - started, 3)}
-        for source in sources if brought else ():
-            bpy.data.objects.remove(source)
+        report["errors"] += _send_back(brought, targets)
         bpy.ops.wm.save_as_mainfile(filepath=_absolute(arguments.out), copy=True)
         if arguments.report:
             text = json.dumps(report, indent=2) + "\n"
@@ -139,14 +140,19 @@ def _check(arguments):
             raise Refused(f"--{name.replace('_', '-')}: there is no file '{path}'")
     if arguments.pose == "":
         raise Refused("--pose: give the shape key a name")
-    if arguments.frames and (len(arguments.frames) not in (2, 3) or min(arguments.frames[2:], default=1) < 1):
-        raise Refused("--frames: give the first and the last frame, and the step, at least 1, if it is not 1")
+    if arguments.frames and (len(arguments.frames) not in (2, 3) or not _are_frames(arguments.frames)):
+        raise Refused(
+            "--frames: give the first and the last frame, and the step, 1 to 1000, if it is not 1; "
+            f"Blender's frames go to {MAX_FRAME}"
+        )
     if arguments.cache and not arguments.frames:
         raise Refused("--cache: it keeps what --frames makes: give the frames too")
     for name in ("out", "report", "cache"):
         path = getattr(arguments, name)
         if path and not pathlib.Path(path).resolve().parent.is_dir():
             raise Refused(f"--{name}: there is no folder for '{path}'")
+        if path and pathlib.Path(path).is_dir():
+            raise Refused(f"--{name}: '{path}' is a folder")
     if not 0 < arguments.match_distance <= 1:
         raise Refused("--match-distance: choose a part of the diagonal, above 0 and at most 1")
     if not 1 <= arguments.tightness <= 1e6:
@@ -158,18 +164,44 @@ def _absolute(path):
 
 
 def _sources(arguments):
-    """The source objects, and whether they were brought in from another file."""
+    """The source objects, and all that was brought in with them from another file."""
     if not arguments.source_file or _absolute(arguments.source_file) == _absolute(arguments.file):
-        return [checks.mesh_object(name, bpy.context) for name in arguments.source], False
+        return [checks.mesh_object(name, bpy.context) for name in arguments.source], set()
+    before = set(bpy.data.user_map())
     with bpy.data.libraries.load(_absolute(arguments.source_file), link=False) as (there, here):
         missing = [name for name in arguments.source if name not in there.objects]
         if missing:
             raise Refused(f"There is no object named '{missing[0]}' in '{arguments.source_file}'")
-        here.objects = list(arguments.source)
-    for source in here.objects:
-        bpy.context.scene.collection.objects.link(source)
+        here.objects = list(dict.fromkeys(arguments.source))
+    sources, brought = list(here.objects), set(bpy.data.user_map()) - before
+    for block in brought:
+        if isinstance(block, bpy.types.Object):  # parents and rigs say where a source is
+            block.hide_viewport = False
+            if block.name not in bpy.context.scene.collection.all_objects:
+                bpy.context.scene.collection.objects.link(block)
     bpy.context.view_layer.update()
-    return [checks.mesh_object(source.name, bpy.context) for source in here.objects], True
+    return [checks.require_mesh(source) for source in sources], brought
+
+
+def _send_back(brought, targets):
+    """Removes what was brought in; returns errors for the drivers that would go on reading it."""
+    errors = []
+    for keys in filter(None, (target.data.shape_keys for target in targets)) if brought else ():
+        for curve in list(keys.animation_data.drivers) if keys.animation_data else ():
+            read = [goal.id for variable in curve.driver.variables for goal in variable.targets]
+            lost = [block for block in read if block in brought]
+            if lost:
+                errors.append(
+                    f"The driver of {curve.data_path} reads '{lost[0].name}' of the source's file: left out"
+                )
+                keys.animation_data.drivers.remove(curve)
+    bpy.data.batch_remove(brought)
+    return errors
+
+
+def _are_frames(frames):
+    within = all(-MAX_FRAME <= frame <= MAX_FRAME for frame in frames[:2])
+    return within and all(1 <= step <= 1000 for step in frames[2:])
 
 
 def _keys(sources, wanted):

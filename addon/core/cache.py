@@ -10,6 +10,7 @@ import struct
 
 import numpy as np
 
+from .files import new_beside
 from .refused import Refused
 
 MAGIC = b"POINTCACHE2\0"
@@ -24,12 +25,13 @@ class Writer:
 
     def __init__(self, path, vertices, samples, first, step):
         """``samples`` of ``vertices`` each, one every ``step`` frames from frame ``first`` on."""
-        self.path, self._partial = path, f"{path}.part"
+        self.path, self._partial = path, None
         self._shape, self._left, self._file = (vertices, 3), samples, None
         self._header = struct.pack("<12siiffi", MAGIC, 1, vertices, first, step, samples)
 
     def __enter__(self):
         with self._telling():
+            self._partial = new_beside(self.path)
             self._file = open(self._partial, "wb")
             self._file.write(self._header)
         return self
@@ -87,6 +89,11 @@ def write(path, samples, first, step):
 
 
 def is_cache(path):
-    """True where the file is a point cache of this kind."""
-    with open(path, "rb") as file:
-        return file.read(len(MAGIC)) == MAGIC
+    """True where the file is a point cache of this kind that can be read."""
+    if not os.path.isfile(path):  # a pipe or a device would block
+        return False
+    try:
+        with open(path, "rb") as file:
+            return file.read(len(MAGIC)) == MAGIC
+    except OSError:
+        return False

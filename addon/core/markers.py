@@ -21,6 +21,7 @@ import os
 import re
 from typing import NamedTuple
 
+from .files import replacing
 from .names import MAX_BYTES
 from .refused import Refused, first
 
@@ -33,7 +34,7 @@ MAX_DEPTH = 16
 MAX_PAIRS = 20_000
 
 _LINE_OF_LIST = re.compile(r"(\d{1,10})(?:\s*[,:\s]\s*(\d{1,10}))?$")
-_STRING_OR_BRACKET = re.compile(r'"(?:[^"\\]|\\.)*+"|[\[\]{}]', re.DOTALL)
+_STRING_OR_BRACKET = re.compile(r'"(?:[^"\\]|\\.)*+(?:"|\Z|\\)|[\[\]{}]', re.DOTALL)
 
 
 class Marker(NamedTuple):
@@ -70,8 +71,9 @@ class MarkerFile(NamedTuple):
 
 def save(path, pairs, source, target):
     """Writes pairs to ``path``; ``source`` and ``target`` are (name, vertex count) of the two meshes."""
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(dumps(pairs, source, target))
+    text = dumps(pairs, source, target)
+    with replacing(path, "w", encoding="utf-8") as file:
+        file.write(text)
 
 
 def load(path):

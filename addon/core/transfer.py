@@ -13,9 +13,20 @@ def fit_work(source, target, markers, options):
     """Work whose result is the fit; ``source`` and ``target`` are (vertices, triangles) in solve space."""
 
     def steps():
-        return (yield from fit_steps(lissom.Mesh(*source), lissom.Mesh(*target), markers, options))
+        return (yield from fit_steps(*_meshes(source, target), markers, options))
 
     return Work(steps())
+
+
+def _meshes(source, target):
+    """Both as lissom.Mesh; Refused where one cannot be, and which."""
+    made = []
+    for side, geometry in (("source", source), ("target", target)):
+        try:
+            made.append(lissom.Mesh(*geometry))
+        except lissom.InvalidMesh as error:
+            raise Refused(f"The mesh of the {side} cannot be used: {error}") from error
+    return made
 
 
 def fit_steps(source, target, markers, options):
@@ -74,8 +85,18 @@ def animation_steps(source, target, fit, blocks, count, options, take):
 
 
 def _known_steps(source, target, fit):
-    ends = lissom.Mesh(*source), lissom.Mesh(*target)
+    ends = _meshes(source, target)
     return ends, (yield from fit_steps(*ends, *fit)) if isinstance(fit, tuple) else fit
+
+
+def carried_weights(fit, triangles, weights):
+    """(n_target,): ``weights`` (n_source,) at the images of the target's vertices, 0 where there is none.
+
+    ``triangles`` (m, 3) are the source's.
+    """
+    there = fit.image_triangles >= 0
+    corners = triangles[np.where(there, fit.image_triangles, 0)]
+    return np.where(there, (weights[corners] * fit.image_weights).sum(1), 0.0)
 
 
 class Keys:

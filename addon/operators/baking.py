@@ -7,6 +7,7 @@ from ..core.refused import Refused
 from ..properties.pose import BAKE_ITEMS, BAKE_OUTPUT, BAKE_PATH, BAKE_STEP
 
 MOST_KEYS = 10_000
+MOST_FRAMES = 1_000_000
 CACHE_FILE = {
     "name": "Cache File",
     "description": BAKE_PATH,
@@ -40,6 +41,9 @@ class BakeProperties:
         start, end = self.frame_start, self.frame_end
         if end < start:
             raise Refused(f"The last frame, {end}, is before the first, {start}")
+        count = (end - start) // self.step + 1
+        if count > MOST_FRAMES:
+            raise Refused(f"{count} frames are too many: raise the step, or bake in parts")
         frames = list(range(start, end + 1, self.step))
         if self.output == "KEYS" and len(frames) > MOST_KEYS:
             raise Refused(

@@ -72,11 +72,11 @@ def where(objects):
 
 
 class Memory(NamedTuple):
-    """A fit with what it was made of: the digest for certainty, names and pairs of vertices for the panel."""
+    """A fit with what it was made of: a digest for certainty, objects and pairs of vertices for the panel."""
 
     digest: str
-    source: list
-    target: list
+    source: Assembly
+    target: Assembly
     pairs: list
     fit: object
     summary: str
@@ -130,9 +130,7 @@ class Request:
     def remember(self, context, fit):
         """Keeps the fit for the next transfer, and in the scene where its markers are now."""
         vertices = [marker.vertices for marker in self.pairs]
-        session.fit = Memory(
-            self.digest(), self.source.names, self.target.names, vertices, fit, summary(fit.report)
-        )
+        session.fit = Memory(self.digest(), self.source, self.target, vertices, fit, summary(fit.report))
         if self._own and self._listed and self._listed == bridge_markers.of_scene(context.scene):
             ends = self.source.objects()[0], self.target.objects()[0]
             bridge_markers.put(context.scene, self.pairs, *ends)

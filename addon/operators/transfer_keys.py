@@ -3,11 +3,11 @@
 import bpy
 from bpy.props import EnumProperty, StringProperty
 
-from ..bridge import animation, checks, shape_keys
+from ..bridge import animation, checks, groups, shape_keys
 from ..bridge.assembly import objects_of
 from ..core import names
 from ..core.refused import Refused, first
-from ..core.transfer import Keys, transfer_work
+from ..core.transfer import Keys, carried_weights, transfer_work
 from ..properties.transfer import (
     check_property,
     drivers_property,
@@ -58,7 +58,9 @@ class LISSOM_OT_transfer_keys(TransferProperties, JobOperator, bpy.types.Operato
         self._settings = {}
         for name in kept:
             key = next(filter(None, found[name]))
-            self._settings[name] = key.relative_key.name, shape_keys.Settings.of(key)
+            relative = key.relative_key
+            counts_from = relative.name if relative != key.id_data.reference_key else ""
+            self._settings[name] = counts_from, shape_keys.Settings.of(key)
         self._shapes = Keys(
             request.source.rest(),
             [
@@ -85,6 +87,7 @@ class LISSOM_OT_transfer_keys(TransferProperties, JobOperator, bpy.types.Operato
         for name, delta in zip(self._settings, found, strict=True):
             for own, part in zip(deltas, request.target.back(delta), strict=True):
                 own[name] = part
+        self._bring_groups(result.fit, targets)
         written = []
         for place, (obj, own) in enumerate(zip(targets, deltas, strict=True)):
             self._plan[place] = without_empty(obj, own, self._plan[place], place > 0, self.drop_empty)
@@ -92,17 +95,29 @@ class LISSOM_OT_transfer_keys(TransferProperties, JobOperator, bpy.types.Operato
             if self.drivers != "NONE":
                 self._copy_drivers(sources, targets[0], obj, self._plan[place])
             written += self._plan[place].values()
-        if result.quality is not None:
-            self._remember_quality(context, result.quality)
+        self._remember_quality(context, result.quality or {})
         self.warn(request, result.fit, result.warnings, targets)
         renamed = [new for plan in self._plan for old, new in plan.items() if new != old]
         note = f", renamed: {first(dict.fromkeys(renamed))}" if renamed else ""
         self.report({"INFO"}, f"{len(written)} shape keys on {where(targets)}{note}")
 
+    def _bring_groups(self, fit, targets):
+        """Vertex groups that keys are limited to, where the target has none of that name."""
+        source, target = self._request.source, self._request.target
+        for name in {settings.vertex_group for _, settings in self._settings.values()} - {""}:
+            missing = [name not in obj.vertex_groups for obj in targets]
+            weights = source.weights(name) if any(missing) else None
+            if weights is None:
+                continue
+            carried = target.split(carried_weights(fit, source.geometry()[1], weights))
+            for obj, own, lacks in zip(targets, carried, missing, strict=True):
+                if lacks:
+                    groups.make(obj, name, own)
+
     def _remember_quality(self, context, quality):
         rows = context.scene.lissom_transfer.quality
         rows.clear()
-        for place, name in enumerate(self._settings):
+        for place, name in enumerate(self._settings if quality else ()):
             new = next((plan[name] for plan in self._plan if name in plan), None)
             if new is not None:
                 row = rows.add()
@@ -111,18 +126,25 @@ class LISSOM_OT_transfer_keys(TransferProperties, JobOperator, bpy.types.Operato
                     setattr(row, field, values)
 
     def _copy_drivers(self, sources, main, target, plan):
+        left = []
         for source in sources:
             old, new = source.data.shape_keys, target.data.shape_keys
             instead = [(sources[0], main), (sources[0].data, main.data), (sources[0].data.shape_keys, new)]
             instead += [(source, target), (source.data, target.data), (old, new)]
-            for name, made in plan.items():
-                if old and name in old.key_blocks and made in new.key_blocks:
-                    paths = [
-                        keys.path_from_id("value") for keys in (old.key_blocks[name], new.key_blocks[made])
-                    ]
-                    animation.copy_driver(
-                        old, paths[0], new, paths[1], instead if self.drivers == "REWIRE" else []
-                    )
+            known = {name: made for name, made in plan.items() if old and name in old.key_blocks}
+            paths = {  # of values on the source -> on the target
+                old.key_blocks[name].path_from_id("value"): new.key_blocks[made].path_from_id("value")
+                for name, made in known.items()
+            }
+            for path, made in paths.items():
+                rewired = instead if self.drivers == "REWIRE" else []
+                left += animation.copy_driver(old, path, new, made, rewired, paths)
+        if left:
+            self.report(
+                {"WARNING"},
+                f"Drivers of '{target.name}' go on reading the source, for want of the like: "
+                f"{first(dict.fromkeys(left))}",
+            )
 
     def _write(self, target, rest, deltas, plan):
         """Writes relative keys before the keys that count from them."""
@@ -132,7 +154,9 @@ class LISSOM_OT_transfer_keys(TransferProperties, JobOperator, bpy.types.Operato
         basis = shape_keys.ensure_basis(target)
         for name in _relative_first(list(plan), relative):
             relative_name, settings = self._settings[name]
-            counts_from = target.data.shape_keys.key_blocks.get(plan.get(relative_name, relative_name), basis)
+            blocks, counts_from = target.data.shape_keys.key_blocks, basis
+            if relative_name:
+                counts_from = blocks.get(plan.get(relative_name, relative_name), basis)
             shape = shape_keys.shape(counts_from) if counts_from != basis else rest
             shape_keys.write(target, plan[name], shape + deltas[name], settings, counts_from)
 
@@ -142,7 +166,8 @@ def destinations(targets, wanted, exists):
 
     Locked keys are refused before anything is computed.
     """
-    blocks = [obj.data.shape_keys.key_blocks if obj.data.shape_keys else {} for obj in targets]
+    # Where there are no keys yet, the first one will be the Basis.
+    blocks = [obj.data.shape_keys.key_blocks if obj.data.shape_keys else {"Basis": None} for obj in targets]
     taken = set().union(*(keys.keys() for keys in blocks))
     plans = [{} for _ in targets]
     for name in wanted:
@@ -153,10 +178,10 @@ def destinations(targets, wanted, exists):
                 plan[name] = given
                 taken.add(given)
     for obj, keys, plan in zip(targets, blocks, plans, strict=True):
-        if keys and obj.data.shape_keys.reference_key.name in plan.values():
+        basis = obj.data.shape_keys.reference_key.name if obj.data.shape_keys else "Basis"
+        if basis in plan.values():
             raise Refused(
-                f"'{obj.data.shape_keys.reference_key.name}' is the Basis of '{obj.name}': "
-                "choose another name for the key, or Rename"
+                f"'{basis}' is the Basis of '{obj.name}': choose another name for the key, or Rename"
             )
         overwritten = [keys[name] for name in plan.values() if name in keys]
         for key in overwritten:
@@ -166,12 +191,12 @@ def destinations(targets, wanted, exists):
 
 
 def without_empty(obj, deltas, plan, further, drop_empty=False):
-    """The plan without keys that move nothing: by option, or new ones of further objects."""
+    """The plan without new keys that move nothing: by option, or of further objects."""
     there = obj.data.shape_keys.key_blocks if obj.data.shape_keys else {}
     return {
         name: new
         for name, new in plan.items()
-        if deltas[name].any() or not (drop_empty or (further and new not in there))
+        if new in there or deltas[name].any() or not (drop_empty or further)
     }
 
 

@@ -22,13 +22,15 @@ def _remembered():
     memory = session.fit
     if memory is None:
         raise Refused("Press Fit first")
-    found = [[bpy.data.objects.get(name) for name in names] for names in (memory.source, memory.target)]
+    found = [
+        [bpy.data.objects.get(part.key) for part in side.parts] for side in (memory.source, memory.target)
+    ]
     if None in found[0] + found[1]:
         raise Refused("An object of the last fit is gone: press Fit again")
     source, target = (Assembly(objects) for objects in found)
-    counts = len(memory.fit.distances), len(memory.fit.image_distances)
-    if (len(source.rest()), len(target.rest())) != counts:
-        raise Refused("A mesh was changed since the last fit: press Fit again")
+    for then, now in ((memory.source, source), (memory.target, target)):
+        if not all(map(np.array_equal, then.geometry(), now.geometry())):
+            raise Refused("A mesh was changed since the last fit: press Fit again")
     return memory, source, target
 
 

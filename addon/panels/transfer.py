@@ -184,7 +184,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         memory = session.fit
         if memory is None or not settings.source or not settings.target:
             return
-        same = (memory.source[0], memory.target[0]) == (settings.source.name, settings.target.name)
+        same = (memory.source.name, memory.target.name) == (settings.source.name, settings.target.name)
         if not same:
             return
         row = layout.row(align=True)

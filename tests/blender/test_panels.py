@@ -236,7 +236,8 @@ def test_one_button_transfers_what_is_chosen(panels):
     settings.source, settings.target = scene.tube(name="Source"), scene.tube(name="Target")
     settings.pose_name, settings.exists, settings.contact = "Open", "RENAME", True
     settings.bake_step, settings.bake_path, settings.match_distance = 3, "/a.pc2", 0.03
-    shared = {"match_distance": settings.match_distance, "source_mask": "", "target_mask": ""}
+    shared = {"match_distance": settings.match_distance, "closest": settings.closest}
+    shared |= {"source_mask": "", "target_mask": ""}
     shared |= {"unmatched": "follow", "contact": True, "name": "Open"}
     wanted = {
         "POSE": ("pose", shared | {"exists": "RENAME"}),

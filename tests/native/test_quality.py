@@ -71,11 +71,11 @@ def test_the_round_trip_is_the_way_back_by_hand():
 
 def test_row_03_other_numbers_of_keys_and_values_that_are_not_finite():
     transfer = itself()
-    with pytest.raises(lissom.InvalidValue, match="carried: 1 for 2 poses"):
+    with pytest.raises(lissom.InvalidValue, match="vertices: 1 for 2 poses"):
         transfer.quality(KEYS, KEYS[:1])
     with pytest.raises(ValueError, match="vertices"):
         transfer.quality(KEYS, KEYS[:, :-1])
-    with pytest.raises(lissom.InvalidValue, match="not finite"):
+    with pytest.raises(lissom.InvalidValue, match=r"vertices\[0\]: not finite"):
         transfer.quality(KEYS, np.where(np.arange(len(VERTICES))[:, None] == 5, np.nan, KEYS))
 
 

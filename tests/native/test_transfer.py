@@ -233,3 +233,13 @@ def test_rows_11_and_13_to_15_transfer_says_what_is_doubtful(how, told, side):
         known = ends[1][0] + 0.1 * np.sin(2 * ends[1][0])
         off = np.linalg.norm(result[0] - known, axis=1)[: len(vertices)]
         assert np.median(off) < 0.02 * 0.1
+
+
+def test_row_26_a_fit_of_other_faces(tubes):
+    source, target, vertices, fit = tubes
+    faces = tube(rows=33, columns=20)[1]
+    other = lissom.Mesh(vertices, faces[::-1])
+    for ends in ((source, other), (target, target)):
+        with pytest.raises(lissom.InvalidConstraint, match="fit: was made for meshes of other faces"):
+            lissom.Transfer(*ends, fit)
+    lissom.Transfer(source, lissom.Mesh(vertices * 2, faces), fit)

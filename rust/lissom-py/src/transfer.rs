@@ -6,7 +6,7 @@ use lissom::transfer::{
     Correspondence, Fit, FitOptions, FitReport, Image, KeyQuality, Transfer, TransferOptions, Transferred,
     Unmatched, Weighting, fit_correspondence as fit,
 };
-use lissom::{Job, Mesh, Vec3};
+use lissom::{Error, Fault, Job, Mesh, Vec3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -41,6 +41,8 @@ pub struct PyFit {
     #[pyo3(get)]
     image_weights: Py<PyAny>,
     matches: Correspondence,
+    /// What it was made for.
+    meshes: [Arc<Mesh>; 2],
     #[pyo3(get)]
     fitted_vertices: Py<PyAny>,
     #[pyo3(get)]
@@ -73,7 +75,11 @@ fn report(py: Python<'_>, report: &FitReport) -> PyResult<Py<PyDict>> {
     Ok(dict.unbind())
 }
 
-fn fitted(py: Python<'_>, fit: Fit) -> PyResult<Py<PyAny>> {
+fn fitted(meshes: [Arc<Mesh>; 2]) -> impl FnOnce(Python<'_>, Fit) -> PyResult<Py<PyAny>> {
+    move |py, fit| made(py, fit, meshes)
+}
+
+fn made(py: Python<'_>, fit: Fit, meshes: [Arc<Mesh>; 2]) -> PyResult<Py<PyAny>> {
     let pairs = arrays::from_pairs(py, &fit.matches.pairs)?;
     let images = &fit.matches.images;
     let triangle = |image: &Option<Image>| image.map_or(-1, |image| i64::from(image.triangle));
@@ -91,6 +97,7 @@ fn fitted(py: Python<'_>, fit: Fit) -> PyResult<Py<PyAny>> {
         flipped: arrays::from_integers(py, fit.flipped.into_iter().map(i64::from)),
         report: report(py, &fit.report)?,
         matches: fit.matches,
+        meshes,
     };
     Ok(Py::new(py, made)?.into_any())
 }
@@ -157,7 +164,11 @@ fn fit_correspondence(
         target_mask,
         match_distance,
     };
-    job::run(source.py(), fit_work(source, target, markers, options)?, fitted)
+    job::run(
+        source.py(),
+        fit_work(source, target, markers, options)?,
+        fitted([source, target].map(|mesh| mesh.get().0.clone())),
+    )
 }
 
 /// `fit_correspondence` in the background: returns a Job at once.
@@ -194,7 +205,10 @@ fn start_fit(
         target_mask,
         match_distance,
     };
-    PyJob::start(fit_work(source, target, markers, options)?, fitted)
+    PyJob::start(
+        fit_work(source, target, markers, options)?,
+        fitted([source, target].map(|mesh| mesh.get().0.clone())),
+    )
 }
 
 /// Shapes carried over: `vertices` (k, n_target, 3) float64 in the target's units, and `report`, a dict: the
@@ -326,17 +340,26 @@ fn prepare(
     contact: bool,
 ) -> PyResult<Work<Transfer>> {
     let py = source.py();
-    let matches = match fit.cast::<PyFit>() {
-        Ok(fit) => fit.get().matches.clone(),
-        Err(_) => Correspondence::of_pairs(arrays::pairs("fit", fit)?),
+    let (source, target) = (source.get().0.clone(), target.get().0.clone());
+    let (matches, fits) = match fit.cast::<PyFit>() {
+        Ok(fit) => {
+            let PyFit { matches, meshes, .. } = fit.get();
+            (matches.clone(), meshes[0].is_like(&source) && meshes[1].is_like(&target))
+        }
+        Err(_) => (Correspondence::of_pairs(arrays::pairs("fit", fit)?), true),
     };
     let kinds = [("follow", Unmatched::Follow), ("rest", Unmatched::Rest)];
     let unmatched = choice(py, "unmatched", unmatched, &kinds)?;
     let kinds = [("pairs", Weighting::Pairs), ("area", Weighting::Area)];
     let weighting = choice(py, "weighting", weighting, &kinds)?;
-    let (source, target) = (source.get().0.clone(), target.get().0.clone());
     let options = TransferOptions { unmatched, weighting, anchor, contact };
-    Ok(Box::new(move |job| Transfer::new(source, target, &matches, options, job)))
+    Ok(Box::new(move |job| match fits {
+        true => Transfer::new(source, target, &matches, options, job),
+        false => {
+            let problem = "was made for meshes of other faces: make it anew";
+            Err(Error::InvalidConstraint(Fault::new("fit", problem)))
+        }
+    }))
 }
 
 /// `Transfer(...)` in the background: returns a Job whose result is the Transfer.

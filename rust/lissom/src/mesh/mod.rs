@@ -141,6 +141,13 @@ impl Mesh {
         self.welds().for_each(|(v, w)| values[v as usize] = values[w as usize]);
     }
 
+    /// Whether another mesh has the same faces in the same order.
+    pub fn is_like(&self, other: &Self) -> bool {
+        self.vertices().len() == other.vertices().len()
+            && self.triangles() == other.triangles()
+            && self.triangle_ids() == other.triangle_ids()
+    }
+
     /// Positions in unit coordinates.
     pub fn rest(&self) -> &[Vec3] {
         &self.rest

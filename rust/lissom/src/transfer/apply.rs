@@ -198,7 +198,7 @@ impl Transfer {
     /// finite, [`Error::SolveFailed`] where the result is out of range, [`Error::Cancelled`].
     pub fn apply(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<Transferred> {
         let start = Instant::now();
-        self.check(poses)?;
+        check("poses", poses, &self.source, "source")?;
         // Once here, and once more for whoever takes them over.
         let bytes =
             2 * size_of::<Vec3>() as u128 * poses.len() as u128 * self.target.vertices().len() as u128;
@@ -214,23 +214,6 @@ impl Transfer {
         }
         job.report(1.0, "transfer");
         Ok(Transferred { poses: results, time: start.elapsed(), solve_time })
-    }
-
-    pub(super) fn check(&self, poses: &[Vec<Vec3>]) -> Result<()> {
-        let n = self.source.vertices().len();
-        let fault = |(k, pose): (usize, &Vec<Vec3>)| {
-            if pose.len() == n {
-                let bad = pose.iter().enumerate().filter(|(_, p)| !p.is_finite()).map(|(v, _)| v);
-                Fault::at(format!("poses[{k}]"), "not finite", bad)
-            } else {
-                let problem = format!("has {} vertices, the source has {n}", pose.len());
-                Some(Fault::new(format!("poses[{k}]"), problem))
-            }
-        };
-        match poses.par_iter().enumerate().find_map_first(fault) {
-            Some(fault) => Err(Error::InvalidValue(fault)),
-            None => Ok(()),
-        }
     }
 
     fn apply_block(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<(Vec<Vec<Vec3>>, Duration)> {
@@ -345,6 +328,24 @@ impl Transfer {
         } else {
             Err(Error::SolveFailed("the result is beyond the range of floating point numbers".into()))
         }
+    }
+}
+
+/// Refuses sets of positions of another size than `mesh`, which the error calls `whose`, or that are not finite.
+pub(super) fn check(name: &str, poses: &[Vec<Vec3>], mesh: &Mesh, whose: &str) -> Result<()> {
+    let n = mesh.vertices().len();
+    let fault = |(k, pose): (usize, &Vec<Vec3>)| {
+        if pose.len() == n {
+            let bad = pose.iter().enumerate().filter(|(_, p)| !p.is_finite()).map(|(v, _)| v);
+            Fault::at(format!("{name}[{k}]"), "not finite", bad)
+        } else {
+            let problem = format!("has {} vertices, the {whose} has {n}", pose.len());
+            Some(Fault::new(format!("{name}[{k}]"), problem))
+        }
+    };
+    match poses.par_iter().enumerate().find_map_first(fault) {
+        Some(fault) => Err(Error::InvalidValue(fault)),
+        None => Ok(()),
     }
 }
 

@@ -9,7 +9,7 @@
 
 use rayon::prelude::*;
 
-use super::apply::Transfer;
+use super::apply::{Transfer, check};
 use super::choose::SourceKey;
 use crate::mesh::geometry::normal_and_area;
 use crate::{Error, Fault, Job, Mat3, Result, Vec3};
@@ -38,10 +38,11 @@ impl Transfer {
     ///
     /// As [`Transfer::new`] and [`Transfer::apply`].
     pub fn quality(&self, poses: &[Vec<Vec3>], carried: &[Vec<Vec3>], job: &Job) -> Result<Vec<KeyQuality>> {
-        self.check(poses)?;
+        check("poses", poses, &self.source, "source")?;
+        check("vertices", carried, &self.target, "target")?;
         if carried.len() != poses.len() {
             let problem = format!("{} for {} poses", carried.len(), poses.len());
-            return Err(Error::InvalidValue(Fault::new("carried", problem)));
+            return Err(Error::InvalidValue(Fault::new("vertices", problem)));
         }
         job.report(0.0, "round trip");
         let way_back =
