@@ -38,12 +38,17 @@ def transferred():
     made = scene.material("Made by Lissom", (0.07, 0.27, 0.31), 0.5)
     into = bpy.context.scene.collection
     given = source.make("ICT skin", ict.load().only(*source.SKIN), skin, into, (-1.5, 0, 0))
-    monkey, _eyes = suzanne.make(made, into, (1.5, 0, 0.1))
+    monkey, eyes = suzanne.make(made, into, (1.5, 0, 0.1))
+    eyes.vertex_groups.new(name=suzanne.EYES).add(list(range(len(eyes.data.vertices))), 1.0, "REPLACE")
     settings = bpy.context.scene.lissom_transfer
     settings.source, settings.target = given, monkey
+    settings.target_parts.add().object = eyes
+    for name, value in {**suzanne.FIT, **suzanne.KEYS}.items():
+        setattr(settings, name, value)
     scene.run(bpy.ops.lissom.marker_load, filepath=str(suzanne.MARKERS))
-    scene.run(bpy.ops.lissom.transfer_fit)
-    scene.run(bpy.ops.lissom.transfer_keys)
+    settings.show_markers = True
+    scene.run(bpy.ops.lissom.transfer_fit, **suzanne.FIT)
+    scene.run(bpy.ops.lissom.transfer_keys, **suzanne.FIT, **suzanne.KEYS)
     for obj in (given, monkey):
         for name, value in MIX.items():
             obj.data.shape_keys.key_blocks[name].value = value

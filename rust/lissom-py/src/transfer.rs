@@ -231,12 +231,13 @@ fn transferred(target: Arc<Mesh>) -> impl FnOnce(Python<'_>, Transferred) -> PyR
 
 /// A prepared transfer from one mesh to another; factored once, for any number of keys.
 ///
-/// Transfer(source, target, fit, *, unmatched="follow", weighting="area", anchor=1.0, contact=False): `fit` is a Fit, or a (p, 2)
-/// array of source and target triangles. `unmatched` says what components of the target without a match
+/// Transfer(source, target, fit, *, unmatched="follow", weighting="area", anchor=1.0, contact=False): `fit` is a
+/// Fit, or a (p, 2) array of source and target triangles. `unmatched` says what components of the target without a match
 /// do: "follow" the nearest matched surface rigidly, or "rest". `weighting` counts each target triangle by
 /// its "area", or by its number of matches ("pairs", as the paper does). `anchor`, a length as a fraction of the
 /// target's diagonal: below it gradients rule, beyond it displacements; lower suits shapes that are much alike.
-/// `contact`: where surfaces of the source come together in a key, as lids do in a blink, those of the target do.
+/// `contact`: where surfaces of the source come together in a key, as lids do in a blink, those of the target do,
+/// and slide around closed convex parts, as eyes are. A Fit made for meshes of other faces is refused.
 ///
 /// Raises InvalidConstraint for no pairs or indices out of range, SolveFailed.
 #[pyclass(name = "Transfer", module = "lissom", frozen)]
