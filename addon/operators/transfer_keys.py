@@ -98,8 +98,9 @@ class LISSOM_OT_transfer_keys(TransferProperties, JobOperator, bpy.types.Operato
         self._remember_quality(context, result.quality or {})
         self.warn(request, result.fit, result.warnings, targets)
         renamed = [new for plan in self._plan for old, new in plan.items() if new != old]
+        reached = [obj for obj, plan in zip(targets, self._plan, strict=True) if plan]
         note = f", renamed: {first(dict.fromkeys(renamed))}" if renamed else ""
-        self.report({"INFO"}, f"{len(written)} shape keys on {where(targets)}{note}")
+        self.report({"INFO"}, f"{len(written)} shape keys on {where(reached or targets)}{note}")
 
     def _bring_groups(self, fit, targets):
         """Vertex groups that keys are limited to, where the target has none of that name."""

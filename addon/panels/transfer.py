@@ -126,8 +126,10 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         column.prop(settings, "match_distance")
         column.prop(settings, "closest")
         for side in ("source", "target"):
-            obj = getattr(settings, side)
-            if obj is not None:
+            objects = [getattr(settings, side), *(part.object for part in getattr(settings, f"{side}_parts"))]
+            objects = list(filter(None, objects))
+            mask = getattr(settings, f"{side}_mask")
+            for obj in [obj for obj in objects if mask in obj.vertex_groups][:1] or objects[:1]:
                 column.prop_search(settings, f"{side}_mask", obj, "vertex_groups")
         row = layout.row()
         row.scale_y = 1.4
@@ -260,7 +262,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         if not len(settings.quality):
             return
         row = layout.row()
-        row.label(text="Quality, the worst first:")
+        row.label(text="Quality:")
         row.prop(settings, "quality_order", text="")
         row = layout.row()
         row.template_list(
