@@ -228,7 +228,9 @@ impl Transfer {
                 let key = SourceKey::of(&self.source, pose);
                 let moved = self.chooser.displacements(&key);
                 let (mut changes, moves) = self.chooser.changes(&self.target, &key, &moved);
-                changes.iter_mut().zip(&self.weights).for_each(|(change, &weight)| *change *= weight);
+                if self.options.weighting != Weighting::Area {
+                    changes.iter_mut().zip(&self.weights).for_each(|(change, &weight)| *change *= weight);
+                }
                 self.stitcher.ask(&self.target, &changes, rhs);
                 for (v, to) in self.anchors.targets(&self.target, &self.chooser, &moved) {
                     (0..3).for_each(|axis| given[axis * n + v as usize] = to[axis]);

@@ -203,18 +203,24 @@ impl Placer {
 
     /// The vertices within [`RINGS`] of those at rest, ring by ring.
     fn band(&self, still: &[u32], at_rest: &[bool]) -> Vec<Vec<u32>> {
+        if still.is_empty() {
+            return Vec::new();
+        }
+        let beside =
+            |v: &u32| !at_rest[*v as usize] && self.row(*v).iter().any(|(w, _)| at_rest[*w as usize]);
+        let mut band: Vec<Vec<u32>> = vec![(0..at_rest.len() as u32).filter(beside).collect()];
         let mut seen = at_rest.to_vec();
-        let mut band: Vec<Vec<u32>> = Vec::new();
-        for _ in 0..RINGS {
-            let mut ring = Vec::new();
-            for &v in band.last().map_or(still, Vec::as_slice) {
+        band[0].iter().for_each(|&v| seen[v as usize] = true);
+        for ring in 1..RINGS as usize {
+            let mut next = Vec::new();
+            for &v in &band[ring - 1] {
                 for &(w, _) in self.row(v) {
                     if !std::mem::replace(&mut seen[w as usize], true) {
-                        ring.push(w);
+                        next.push(w);
                     }
                 }
             }
-            band.push(ring);
+            band.push(next);
         }
         band
     }
