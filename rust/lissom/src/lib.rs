@@ -49,6 +49,7 @@
 #![forbid(unsafe_code)]
 
 pub mod error;
+pub mod geometry;
 pub mod inbetween;
 pub mod job;
 pub mod linear;

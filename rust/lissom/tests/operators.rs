@@ -3,9 +3,10 @@
 mod common;
 
 use common::{numbers, sheet};
+use lissom::geometry::matrix::outer;
 use lissom::operators::cotangent::cotangent_laplacian;
 use lissom::operators::divergence::divergence;
-use lissom::operators::gradient::{deformation_gradients, outer};
+use lissom::operators::gradient::deformation_gradients;
 use lissom::operators::graph::graph_laplacian;
 use lissom::operators::hat_gradients;
 use lissom::operators::mass::lumped_mass;

@@ -18,8 +18,8 @@ use rayon::prelude::*;
 use super::branches::{self, Neighbours};
 use super::elements::{Asked, Elements, Hats};
 use super::{moved_corners, rotations, shape_frame};
+use crate::geometry::triangle::TriangleGeometry;
 use crate::linear::REGULARIZED;
-use crate::mesh::geometry::TriangleGeometry;
 use crate::operators::hats_of;
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, memory, rotation};
 

@@ -17,8 +17,8 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 
 use super::{Inbetween, InbetweenOptions, Rotation};
+use crate::geometry::surface::Surface;
 use crate::linear::{Columns, ConstrainedSystem, Constraints};
-use crate::transfer::closest::Surface;
 use crate::{Error, Fault, Job, Mesh, Result, Vec3};
 use std::sync::Arc;
 

@@ -22,7 +22,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::linear::{Columns, ConstrainedSystem, Constraints, SymmetricMatrix};
-use crate::pose::lbfgs::{Lbfgs, dot};
+use crate::stitch::lbfgs::{Lbfgs, dot};
 use crate::{Job, Mat3, Mesh, Result, Vec3, rotation};
 
 /// Of each corner of a triangle: `sum w_te e` over the two edges that meet there.

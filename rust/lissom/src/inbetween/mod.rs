@@ -57,8 +57,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use crate::geometry::frame::UnitFrame;
+use crate::geometry::triangle::{TriangleGeometry, normal_and_area};
 use crate::linear::REGULARIZED;
-use crate::mesh::geometry::{TriangleGeometry, UnitFrame, normal_and_area};
 use crate::mesh::validate;
 use crate::operators::hats_of;
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};

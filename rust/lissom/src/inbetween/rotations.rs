@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use crate::mesh::geometry::normal_and_area;
+use crate::geometry::triangle::normal_and_area;
 use crate::operators::gradient::triangle_gradient;
 use crate::{Mat3, Mesh, Vec3, rotation};
 

@@ -15,7 +15,7 @@
 use rayon::prelude::*;
 
 use super::rotations::Motion;
-use crate::mesh::geometry::normal_and_area;
+use crate::geometry::triangle::normal_and_area;
 use crate::operators::gradient::triangle_gradient;
 use crate::{Mesh, Vec3};
 

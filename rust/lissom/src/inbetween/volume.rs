@@ -10,7 +10,7 @@
 use std::collections::BTreeMap;
 
 use super::elements::Elements;
-use crate::mesh::geometry::normal_and_area;
+use crate::geometry::triangle::normal_and_area;
 use crate::{Job, Mesh, Result, Vec3};
 
 /// Newton's steps: a cubic polynomial, started near its root.

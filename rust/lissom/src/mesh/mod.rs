@@ -2,16 +2,15 @@
 
 mod adjacency;
 mod components;
-pub(crate) mod geometry;
 pub(crate) mod validate;
 mod weld;
 
+pub use crate::geometry::frame::UnitFrame;
 pub use adjacency::{Adjacency, Corner, Side};
 pub use components::Components;
-pub use geometry::UnitFrame;
 
+use crate::geometry::triangle::TriangleGeometry;
 use crate::{Error, Fault, Result, Vec3};
-use geometry::TriangleGeometry;
 
 /// A validated triangle mesh with its adjacency and geometry.
 ///

@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::adjacency::Adjacency;
-use super::geometry::TriangleGeometry;
 use super::weld::representatives;
+use crate::geometry::triangle::TriangleGeometry;
 use crate::{Error, Fault, Result, Vec3};
 
 /// Points are collinear when none lies further than this fraction of the diagonal from a line.

@@ -7,7 +7,8 @@
 
 use rayon::prelude::*;
 
-use crate::mesh::geometry::normal_and_area;
+use crate::geometry::matrix::outer;
+use crate::geometry::triangle::normal_and_area;
 use crate::{Mat3, Mesh, Vec3, rotation};
 
 /// Triangles whose height is below this fraction of their longest edge have no gradient of their
@@ -50,11 +51,6 @@ fn along(from: Vec3, to: Vec3) -> Mat3 {
     };
     let turn = rotation::exp(glam::DQuat::from_rotation_arc(a, b).to_scaled_axis());
     turn * (Mat3::IDENTITY + outer(a, a) * (to.length() / from.length() - 1.0))
-}
-
-/// `a b^T`.
-pub fn outer(a: Vec3, b: Vec3) -> Mat3 {
-    Mat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
 #[cfg(test)]

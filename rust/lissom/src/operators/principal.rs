@@ -6,7 +6,7 @@
 //! takes half of its edges) and seen in the tangent plane this is a tensor `T` whose axes are the
 //! principal directions with the curvatures swapped, so that `trace(T) I - T` is the shape operator.
 
-use crate::operators::gradient::outer;
+use crate::geometry::matrix::outer;
 use crate::{Mat3, Mesh, Vec3};
 
 /// Curvature at a vertex, in unit coordinates.

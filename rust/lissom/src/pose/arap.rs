@@ -36,12 +36,14 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 
 use super::field::{self, inverse_mass};
-use super::lbfgs::{self, Lbfgs};
-use super::{Goal, Method, Region, Solution, SolveOptions};
+use super::goal::Goal;
+use super::method::{Method, Solution, SolveOptions};
+use super::region::Region;
+use crate::geometry::matrix::{dot, outer};
 use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
-use crate::operators::gradient::outer;
 use crate::rotation::nearest_rotation;
+use crate::stitch::lbfgs::{self, Lbfgs};
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
 
 /// An energy below this fraction of that of the edges themselves is zero but for rounding.
@@ -455,9 +457,4 @@ fn moved(from: &[Vec3], direction: &[Vec3], length: f64) -> Vec<Vec3> {
 
 fn combination(row: &[(u32, f64)], vectors: &[Vec3]) -> Vec3 {
     row.iter().fold(Vec3::ZERO, |sum, &(j, value)| sum + vectors[j as usize] * value)
-}
-
-/// `tr(a^T b)`.
-fn dot(a: Mat3, b: Mat3) -> f64 {
-    a.x_axis.dot(b.x_axis) + a.y_axis.dot(b.y_axis) + a.z_axis.dot(b.z_axis)
 }

@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::{Goal, Region};
+use super::goal::Goal;
+use super::region::Region;
 use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::mass::lumped_mass;

@@ -11,8 +11,9 @@
 //! displacement `d = x - v`, for which `delta` vanishes.
 
 use super::field::inverse_mass;
+use super::goal::Goal;
+use super::region::Region;
 use super::responses::{Response, axis_by_axis};
-use super::{Goal, Region};
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::graph::graph_laplacian;

@@ -21,11 +21,12 @@
 
 use rayon::prelude::*;
 
+use super::goal::Goal;
 use super::laplacian::{Weights, operator};
+use super::region::Region;
 use super::responses::Response;
-use super::{Goal, Region};
+use crate::geometry::matrix::outer;
 use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
-use crate::operators::gradient::outer;
 use crate::operators::graph::graph_laplacian;
 use crate::{Job, Mat3, Mesh, Result, Vec3};
 

@@ -16,7 +16,10 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use super::field::{inverse_mass, polyharmonic};
-use super::{Goal, Method, MethodOptions, Region, Solution, SolveOptions};
+use super::goal::Goal;
+use super::method::{Method, Solution, SolveOptions};
+use super::region::Region;
+use super::registry::MethodOptions;
 use crate::linear::{Columns, ConstrainedSystem, Constraints, SymmetricMatrix};
 use crate::operators::gradient::deformation_gradients;
 use crate::rotation::nearest_rotation;

@@ -16,7 +16,9 @@
 use rayon::prelude::*;
 
 use super::field::{of_handles, smooth_system};
-use super::{Goal, Method, Motion, Region, Solution, SolveOptions};
+use super::goal::{Goal, Motion};
+use super::method::{Method, Solution, SolveOptions};
+use super::region::Region;
 use crate::linear::ConstrainedSystem;
 use crate::rotation::{exp, polar};
 use crate::stitch::Stitcher;

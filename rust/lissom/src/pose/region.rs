@@ -2,15 +2,41 @@
 
 use std::collections::HashMap;
 
-use super::{Goal, Handle, Hold, Motion};
+use super::goal::{Goal, Motion};
+use crate::geometry::matrix::outer;
 use crate::linear::Constraints;
-use crate::operators::gradient::outer;
 use crate::rotation::{log, nearest_rotation};
 use crate::{Error, Fault, Mat3, Mesh, Result, Vec3};
 
 /// Points count as spread in a plane when the second singular value of their covariance exceeds this
 /// fraction of the first.
 const SPREAD: f64 = 1e-6;
+
+/// Vertices that move together.
+#[derive(Debug, Clone)]
+pub struct Handle {
+    /// The vertices.
+    pub vertices: Vec<u32>,
+    /// How much each belongs to the handle, above 0 and at most 1; `None` where all do wholly. A vertex
+    /// of membership `m < 1` stays free, and is pulled with the weight `m / (1 - m)`.
+    pub membership: Option<Vec<f64>>,
+}
+
+impl From<Vec<u32>> for Handle {
+    fn from(vertices: Vec<u32>) -> Self {
+        Self { vertices, membership: None }
+    }
+}
+
+/// How the handles hold their vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Hold {
+    /// Exactly: they are eliminated.
+    #[default]
+    Hard,
+    /// With this weight, squared in the energy (thesis 2.2, equation 2-4).
+    Soft(f64),
+}
 
 /// Handles and region, checked, with the part of the mesh that takes part.
 #[derive(Debug)]

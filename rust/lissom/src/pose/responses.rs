@@ -11,9 +11,11 @@
 
 use rayon::prelude::*;
 
-use super::{Goal, Method, Motion, Region, Solution, SolveOptions};
+use super::goal::{Goal, Motion};
+use super::method::{Method, Solution, SolveOptions};
+use super::region::Region;
+use crate::geometry::matrix::outer;
 use crate::linear::{Columns, ConstrainedSystem};
-use crate::operators::gradient::outer;
 use crate::{Job, Mat3, Result, Vec3, memory};
 
 /// Most handles whose responses are kept; beyond, a solve is the lesser cost.

@@ -20,8 +20,11 @@
 use rayon::prelude::*;
 
 use super::field;
+use super::goal::Goal;
 pub use super::laplacian::Weights;
-use super::{Goal, Linear, Method, Region, Response, Solution, SolveOptions};
+use super::method::{Method, Solution, SolveOptions};
+use super::region::Region;
+use super::responses::{Linear, Response};
 use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
 use crate::operators::principal::{Principal, principal_directions};
 use crate::rotation::{exp, nearest_rotation};

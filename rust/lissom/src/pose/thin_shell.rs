@@ -15,8 +15,9 @@
 //! `k_s |Lap d|^2 + k_b |grad Lap d|^2`.
 
 use super::field::{inverse_mass, polyharmonic};
+use super::goal::Goal;
+use super::region::Region;
 use super::responses::{Response, axis_by_axis};
-use super::{Goal, Region};
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::{Error, Fault, Job, Result, Vec3};

@@ -13,8 +13,8 @@
 //! Where all of a component moves, the similarity that fits its images best (Umeyama 1991) is taken out first
 //! and applied to the component as it is, so that similarities come over as such.
 
-use super::carry::Carry;
 use super::choose::Chooser;
+use crate::geometry::rigid::Carry;
 use crate::{Mesh, Vec3};
 
 /// The pulls of one target.

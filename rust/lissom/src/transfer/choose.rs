@@ -9,8 +9,9 @@
 use rayon::prelude::*;
 
 use super::image::Image;
+use crate::geometry::matrix::outer;
 use crate::linear::{Columns, Factor, Symbolic, SymmetricMatrix};
-use crate::operators::gradient::{outer, triangle_gradient};
+use crate::operators::gradient::triangle_gradient;
 use crate::{Mat3, Mesh, Result, Vec3};
 
 /// Movement below this fraction of the diagonal is the noise of single precision, not a pose.

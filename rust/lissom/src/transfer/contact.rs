@@ -14,8 +14,8 @@
 use rayon::prelude::*;
 
 use super::choose::SourceKey;
-use super::closest::Surface;
 use super::correspondence::Correspondence;
+use crate::geometry::surface::Surface;
 use crate::linear::{Columns, ConstrainedSystem, Constraints, SymmetricMatrix};
 use crate::{Job, Mesh, Result, Vec3};
 

@@ -19,15 +19,15 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::carry::Carry;
-use super::closest::{Hit, Surface};
 use super::correspondence::Correspondence;
 use super::energy::{Energy, Weights};
 use super::image::{self, Image};
 use super::markers::{self, Marker};
 use super::matching;
 use super::partners::{Overlap, Partners, triangle_components};
-use crate::mesh::geometry::{normal_and_area, vertex_normals};
+use crate::geometry::rigid::Carry;
+use crate::geometry::surface::{Hit, Surface};
+use crate::geometry::triangle::{normal_and_area, vertex_normals};
 use crate::operators::gradient::triangle_gradient;
 use crate::operators::mass::lumped_mass;
 use crate::{Error, Fault, Job, Mesh, Result, Vec3};

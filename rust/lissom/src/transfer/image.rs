@@ -9,9 +9,9 @@
 
 use rayon::prelude::*;
 
-use super::closest::Surface;
 use super::matching::Side;
-use crate::mesh::geometry::vertex_normals;
+use crate::geometry::surface::Surface;
+use crate::geometry::triangle::vertex_normals;
 use crate::{Job, Result, Vec3};
 
 /// Vertices looked up between two looks at the job.

@@ -113,7 +113,7 @@ fn collinear(offsets: &[Vec3]) -> bool {
 
 /// How far the target's markers are turned against the source's: the angle of the nearest rotation.
 fn turn(source: &[Vec3], target: &[Vec3]) -> f64 {
-    let covariance = source.iter().zip(target).map(|(&s, &t)| crate::operators::gradient::outer(t, s)).sum();
+    let covariance = source.iter().zip(target).map(|(&s, &t)| crate::geometry::matrix::outer(t, s)).sum();
     rotation::log(rotation::nearest_rotation(covariance)).length()
 }
 

@@ -9,8 +9,8 @@
 
 use rayon::prelude::*;
 
-use super::closest::Surface;
 use super::partners::{Overlap, Partners, triangle_components};
+use crate::geometry::surface::Surface;
 use crate::{Job, Mesh, Result, Vec3};
 
 /// Triangles looked up between two looks at the job.

@@ -25,9 +25,7 @@
 
 mod anchor;
 pub mod apply;
-mod carry;
 mod choose;
-pub(crate) mod closest;
 pub mod contact;
 mod correspondence;
 mod energy;

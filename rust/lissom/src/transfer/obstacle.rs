@@ -15,7 +15,7 @@
 
 use rayon::prelude::*;
 
-use super::closest::Surface;
+use crate::geometry::surface::Surface;
 use crate::{Mesh, Vec3};
 
 /// How far outside vertices are kept, a fraction of the target's diagonal: their triangles are then outside too.

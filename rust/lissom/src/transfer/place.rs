@@ -10,9 +10,9 @@
 
 use super::anchor::Anchors;
 use super::apply::Unmatched;
-use super::carry::Carry;
 use super::choose::{Chooser, SourceKey};
-use super::closest::Surface;
+use crate::geometry::rigid::Carry;
+use crate::geometry::surface::Surface;
 use crate::linear::SymmetricMatrix;
 use crate::{Mesh, Vec3};
 

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::apply::{Transfer, check};
 use super::choose::SourceKey;
-use crate::mesh::geometry::normal_and_area;
+use crate::geometry::triangle::normal_and_area;
 use crate::{Error, Fault, Job, Mat3, Result, Vec3};
 
 /// What is to be known about one key.

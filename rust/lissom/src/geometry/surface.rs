@@ -8,7 +8,7 @@ use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use parry3d_f64::query::PointQuery;
 use parry3d_f64::shape::Triangle;
 
-use crate::mesh::geometry::normal_and_area;
+use crate::geometry::triangle::normal_and_area;
 use crate::{Mesh, Vec3};
 
 /// Triangles in a bounding volume hierarchy.

@@ -12,6 +12,8 @@
 //! The unknown is the displacement, `L d = div (C - I)`: where nothing is asked for, nothing moves,
 //! to the last bit.
 
+pub mod lbfgs;
+
 use rayon::prelude::*;
 
 use crate::linear::{Columns, ConstrainedSystem, Constraints, SymmetricMatrix};

@@ -1,6 +1,6 @@
 //! Rigid and similarity maps that carry a part along with what lies beside it.
 
-use crate::operators::gradient::outer;
+use crate::geometry::matrix::outer;
 use crate::{Mat3, Vec3, rotation};
 
 /// `p -> center_to + linear (p - center_from)`.

@@ -1,0 +1,247 @@
+//! A mesh with handles, bound to a method: checks what comes in, solves, and writes back.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::goal::{self, Goal};
+use super::method::{Method, SolveOptions};
+use super::region::{Handle, Hold, Region};
+use super::registry::MethodOptions;
+use super::welding::Welding;
+use crate::linear::{Factor, REGULARIZED};
+use crate::rotation::agree;
+use crate::{Error, Fault, Job, Mat4, Mesh, Result, Vec3};
+
+/// What a solve did.
+#[derive(Debug, Clone, Default)]
+pub struct Report {
+    /// Iterations, 1 for linear methods.
+    pub iterations: usize,
+    /// The energy at the end, in unit coordinates; `None` for linear methods.
+    pub energy: Option<f64>,
+    /// Whether the tolerance was reached.
+    pub converged: bool,
+    /// Time of the solve.
+    pub seconds: f64,
+    /// What is doubtful about the result.
+    pub warnings: Vec<String>,
+}
+
+/// A posed mesh.
+#[derive(Debug, Clone)]
+pub struct Posed {
+    /// All positions, in the mesh's own units.
+    pub vertices: Vec<Vec3>,
+    /// What the solve did.
+    pub report: Report,
+}
+
+/// What binding a pose made; all systems of its method together.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Info {
+    /// Unknowns.
+    pub unknowns: usize,
+    /// Values in the factors, zeros that fill up blocks included.
+    pub nonzeros: usize,
+    /// Bytes of the factors, indices included.
+    pub bytes: usize,
+    /// Time of binding.
+    pub seconds: f64,
+}
+
+/// A mesh with handles, ready to be posed.
+#[derive(Debug)]
+pub struct Pose {
+    mesh: Arc<Mesh>,
+    welding: Welding,
+    region: Region,
+    method: Option<Box<dyn Method>>,
+    info: Info,
+    warnings: Vec<String>,
+}
+
+impl Pose {
+    /// Binds `handles` on `mesh`.
+    ///
+    /// `roi` lists the vertices that may move; `None` means all. Vertices outside it, and components
+    /// without a handle, stay at rest.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidConstraint`] for no or empty handles, a vertex in two handles, indices out of
+    /// range, membership outside (0, 1] and an empty region; [`Error::InvalidValue`] for options out of
+    /// their range; [`Error::SolveFailed`] where the system cannot be factored; [`Error::OutOfMemory`],
+    /// [`Error::Cancelled`].
+    pub fn new(
+        mesh: Arc<Mesh>,
+        handles: Vec<Handle>,
+        roi: Option<&[u32]>,
+        hold: Hold,
+        method: &MethodOptions,
+        job: &Job,
+    ) -> Result<Self> {
+        let begin = Instant::now();
+        job.report(0.0, "region");
+        let (welding, welded) = Welding::of(&mesh, handles);
+        let roi = roi.map(|roi| roi.iter().map(|&v| mesh.representative(v)).collect::<Vec<_>>());
+        let region = Region::of(&mesh, welded, roi.as_deref(), hold)?;
+        job.report(0.1, "matrix");
+        job.check()?;
+        let method = if region.is_rigid() { None } else { Some(method.bind(&region, job)?) };
+        let mut info = Info::default();
+        let mut warnings = region.warnings().to_vec();
+        let factors: Vec<&Factor> = method.iter().flat_map(|m| m.systems()).map(|s| s.factor()).collect();
+        for factor in &factors {
+            info.unknowns += factor.size();
+            info.nonzeros += factor.nonzeros();
+            info.bytes += factor.bytes();
+        }
+        if factors.iter().any(|factor| factor.is_regularized()) {
+            warnings.push(REGULARIZED.into());
+        }
+        info.seconds = begin.elapsed().as_secs_f64();
+        job.report(1.0, "ready");
+        Ok(Self { mesh, welding, region, method, info, warnings })
+    }
+
+    /// What binding made.
+    pub fn info(&self) -> Info {
+        self.info
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<Mesh> {
+        &self.mesh
+    }
+
+    /// Number of handles.
+    pub fn handle_count(&self) -> usize {
+        self.welding.handles().len()
+    }
+
+    /// Number of handle vertices, all handles together.
+    pub fn handle_vertex_count(&self) -> usize {
+        self.welding.vertices().count()
+    }
+
+    /// What is doubtful about the mesh, the handles, the region and the system.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Poses by one affine matrix per handle, rest to posed, in the mesh's own units.
+    ///
+    /// `turns`, one rotation vector per handle, says by how many whole turns each matrix rotates: the
+    /// matrix's own rotation is lifted to the branch nearest to it; turns about another axis come first,
+    /// about axes of the rest pose. Without, rotations are lifted to branches that agree with each other
+    /// ([`agree`]).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidConstraint`] for the wrong number of matrices or vectors and for values that are
+    /// not finite; [`Error::SolveFailed`] on overflow; [`Error::Cancelled`].
+    pub fn solve(
+        &mut self,
+        transforms: &[Mat4],
+        turns: Option<&[Vec3]>,
+        options: &SolveOptions,
+        job: &Job,
+    ) -> Result<Posed> {
+        let handles = self.handle_count();
+        expect_count("transforms", "matrices", transforms.len(), handles, "handles")?;
+        let broken = transforms.iter().enumerate().filter(|(_, m)| !m.is_finite()).map(|(h, _)| h);
+        refuse("transforms", "not finite", broken)?;
+        let projective = transforms.iter().enumerate();
+        let projective = projective.filter(|(_, m)| m.row(3) != glam::DVec4::W).map(|(h, _)| h);
+        refuse("transforms", "not affine: the last row must be 0 0 0 1", projective)?;
+        if let Some(turns) = turns {
+            expect_count("turns", "rotation vectors", turns.len(), handles, "handles")?;
+            let broken = turns.iter().enumerate().filter(|(_, r)| !r.is_finite()).map(|(h, _)| h);
+            refuse("turns", "not finite", broken)?;
+        }
+        let rest = self.mesh.vertices();
+        let targets: Vec<Vec3> = (self.welding.handles().iter().zip(transforms))
+            .flat_map(|(handle, m)| handle.vertices.iter().map(|&v| m.transform_point3(rest[v as usize])))
+            .collect();
+        let motions = goal::motions(transforms, turns, self.mesh.frame(), self.region.is_anchored());
+        let own = self.welding.distinct_targets(&self.mesh, &targets);
+        let goal = self.region.goal(&self.mesh, &own, motions, true);
+        self.pose(&targets, &own, &goal, options, job)
+    }
+
+    /// Poses by one target per handle vertex, handles in order, in the mesh's own units.
+    ///
+    /// Each handle's rotation is estimated from its own vertices; handles too small for that take
+    /// the rotation of all given vertices together.
+    ///
+    /// # Errors
+    ///
+    /// As [`Pose::solve`].
+    pub fn solve_points(&mut self, targets: &[Vec3], options: &SolveOptions, job: &Job) -> Result<Posed> {
+        expect_count("targets", "points", targets.len(), self.handle_vertex_count(), "handle vertices")?;
+        let broken = targets.iter().enumerate().filter(|(_, p)| !p.is_finite()).map(|(i, _)| i);
+        refuse("targets", "not finite", broken)?;
+        let own = self.welding.distinct_targets(&self.mesh, targets);
+        self.welding.expect_joined(&self.mesh, targets, &own)?;
+        let mut motions = self.region.estimate_motions(&self.mesh, &own);
+        let mut rotations: Vec<Vec3> = motions.iter().map(|m| m.rotation).collect();
+        agree(&mut rotations, self.region.is_anchored());
+        motions.iter_mut().zip(rotations).for_each(|(m, rotation)| m.rotation = rotation);
+        let goal = self.region.goal(&self.mesh, &own, motions, false);
+        self.pose(targets, &own, &goal, options, job)
+    }
+
+    /// `targets` are those of the handles as given, `own` those of the region's.
+    fn pose(
+        &mut self,
+        targets: &[Vec3],
+        own: &[Vec3],
+        goal: &Goal,
+        options: &SolveOptions,
+        job: &Job,
+    ) -> Result<Posed> {
+        if options.tolerance.is_nan() || options.tolerance < 0.0 {
+            return Err(Error::InvalidValue(Fault::new("tolerance", "must be 0 or more")));
+        }
+        let begin = Instant::now();
+        let mut report = Report { converged: true, warnings: self.warnings().to_vec(), ..Report::default() };
+        let mut vertices = self.mesh.vertices().to_vec();
+        if let Some(method) = &mut self.method {
+            let solution = method.solve(&self.region, goal, options, job)?;
+            self.region.write_back(&self.mesh, &solution.displacements, &mut vertices);
+            report.iterations = solution.iterations;
+            report.energy = solution.energy;
+            report.converged = solution.converged;
+            if !solution.converged {
+                let last = match solution.residual.is_finite() {
+                    true => {
+                        format!(", the last of which lowered the energy by {:.1e} of it", solution.residual)
+                    }
+                    false => String::new(),
+                };
+                report.warnings.push(format!(
+                    "not converged after {} iterations{last}: raise max_iterations or tolerance",
+                    solution.iterations
+                ));
+            }
+        }
+        self.welding.put(&self.mesh, targets, own, &mut vertices, |v| self.region.is_given(v));
+        if let Some(v) = vertices.iter().position(|p| !p.is_finite()) {
+            return Err(Error::SolveFailed(format!("vertex {v} overflows the range of numbers")));
+        }
+        report.seconds = begin.elapsed().as_secs_f64();
+        Ok(Posed { vertices, report })
+    }
+}
+
+fn expect_count(argument: &str, what: &str, given: usize, wanted: usize, of: &str) -> Result<()> {
+    if given == wanted {
+        return Ok(());
+    }
+    let problem = format!("{given} {what} for {wanted} {of}");
+    Err(Error::InvalidConstraint(Fault::new(argument, problem)))
+}
+
+fn refuse(argument: &str, problem: &str, offenders: impl Iterator<Item = usize>) -> Result<()> {
+    Fault::at(argument, problem, offenders).map_or(Ok(()), |fault| Err(Error::InvalidConstraint(fault)))
+}

@@ -1,0 +1,73 @@
+//! Where the handles ask the region to go: displacements of single vertices, and the motion of each handle as a whole.
+//!
+//! A matrix says of its rotation only what is left after whole turns. Those come from the caller, or from the
+//! other handles ([`agree`]).
+
+use std::f64::consts::{PI, TAU};
+
+use crate::mesh::UnitFrame;
+use crate::rotation::{agree, log, nearest_branch, nearest_rotation};
+use crate::{Mat3, Mat4, Vec3};
+
+/// Where the handles ask the region to go, in unit coordinates of the region's mesh.
+#[derive(Debug, Clone)]
+pub struct Goal {
+    /// Displacement of every vertex that is given or pulled; zero elsewhere.
+    pub displacements: Vec<Vec3>,
+    /// Motion of every handle.
+    pub handles: Vec<Motion>,
+    /// Whether the displacements are those of the handles' affine motions, and not of single points.
+    pub affine: bool,
+}
+
+/// How a handle moves as a whole.
+#[derive(Debug, Clone, Copy)]
+pub struct Motion {
+    /// Rotation vector: axis times angle, with whole turns.
+    pub rotation: Vec3,
+    /// Whole turns about another axis, before `rotation`; zero where that tells all.
+    pub whole_turns: Vec3,
+    /// The linear part, `R S`.
+    pub linear: Mat3,
+    /// Displacement of the origin of unit coordinates.
+    pub offset: Vec3,
+}
+
+/// The motion of each handle from its matrix, rest to posed in the mesh's own units, and its whole turns, where given;
+/// else rotations agree with each other, and where something is `anchored` at rest with that.
+pub(super) fn motions(
+    transforms: &[Mat4],
+    turns: Option<&[Vec3]>,
+    frame: UnitFrame,
+    anchored: bool,
+) -> Vec<Motion> {
+    let linear = |m: &Mat4| Mat3::from_mat4(*m);
+    let mut rotations: Vec<Vec3> = transforms.iter().map(|m| log(nearest_rotation(linear(m)))).collect();
+    let mut whole_turns = vec![Vec3::ZERO; transforms.len()];
+    match turns {
+        Some(turns) => {
+            for ((rotation, whole), &turns) in rotations.iter_mut().zip(&mut whole_turns).zip(turns) {
+                (*rotation, *whole) = with_turns(*rotation, turns);
+            }
+        }
+        None => agree(&mut rotations, anchored),
+    }
+    let motion = |(m, (rotation, whole_turns)): (&Mat4, (Vec3, Vec3))| Motion {
+        rotation,
+        whole_turns,
+        linear: linear(m),
+        offset: (m.transform_point3(frame.center) - frame.center) / frame.scale,
+    };
+    transforms.iter().zip(rotations.into_iter().zip(whole_turns)).map(motion).collect()
+}
+
+/// Splits a rotation that has done about `turns` into a rotation vector and whole turns before it. Near
+/// whole turns a matrix says nothing of their axis, and a twist with a tilt has no vector of its own.
+fn with_turns(own: Vec3, turns: Vec3) -> (Vec3, Vec3) {
+    let lifted = nearest_branch(own, turns);
+    if lifted.distance(turns) <= PI {
+        return (lifted, Vec3::ZERO);
+    }
+    let whole = turns.normalize_or_zero() * (TAU * (turns.length() / TAU).round());
+    (nearest_branch(own, turns - whole), whole)
+}
