@@ -1,7 +1,7 @@
 # make demo       the three jobs on real data, headless: build/demo/report.md, pictures, a .blend
 # make gallery    the thesis's and the survey's poses by all methods; the latter needs LISSOM_DATA
 # make test       every test: core, binding, add-on logic, and inside real Blenders
-# make lint       rustfmt, clippy, ruff
+# make lint       rustfmt, clippy, ruff, mypy and its stubtest
 # make bench      measured against libigl and Blender's Laplacian Deform; needs LISSOM_DATA
 # make extension  dist/lissom-<version>-<platform>.zip, for Blender's "Install from Disk"
 #
@@ -15,6 +15,7 @@ LISSOM_DATA ?= $(abspath ../shared/data)
 export LISSOM_DATA
 
 RUST := $(shell find rust -name '*.rs' -o -name 'Cargo.toml') Cargo.toml Cargo.lock pyproject.toml
+PYTHON_SOURCE := $(shell find python -name '*.py' -o -name '*.pyi' -o -name py.typed)
 TOOLS := .venv/tools/ready
 WHEEL := dist/wheel.stamp
 
@@ -28,10 +29,11 @@ PIP_INSTALL := -m pip install -q --disable-pip-version-check
 
 $(TOOLS):
 	$(PYTHON) -m venv .venv/tools
-	.venv/tools/bin/python $(PIP_INSTALL) 'maturin>=1.9,<2' 'numpy>=1.26' 'pytest>=8,<10' 'ruff>=0.8,<1'
+	.venv/tools/bin/python $(PIP_INSTALL) 'maturin>=1.9,<2' 'numpy>=1.26' 'pytest>=8,<10' 'ruff>=0.8,<1' \
+		'mypy>=1.15,<2'
 	touch $@
 
-$(WHEEL): $(TOOLS) $(RUST) LICENSE rust/lissom-py/lissom.pyi
+$(WHEEL): $(TOOLS) $(RUST) $(PYTHON_SOURCE) LICENSE
 	rm -f dist/*.whl
 	.venv/tools/bin/maturin build --release --locked --interpreter .venv/tools/bin/python -o dist
 	.venv/tools/bin/python $(PIP_INSTALL) --force-reinstall --no-deps dist/*.whl
@@ -70,11 +72,13 @@ test-blender: $(BLENDERS:%=test-blender-%)
 test-blender-%: .venv/bpy-%/ready
 	.venv/bpy-$*/bin/python -m pytest tests/blender
 
-lint: $(TOOLS)
+lint: $(WHEEL)
 	cargo fmt --all --check
 	cargo clippy --release --locked --all-targets -- -D warnings
 	.venv/tools/bin/ruff check .
 	.venv/tools/bin/ruff format --check .
+	.venv/tools/bin/mypy --strict --python-executable .venv/tools/bin/python python/lissom
+	.venv/tools/bin/python -m mypy.stubtest lissom
 
 extension: $(WHEEL)
 	.venv/tools/bin/python tools/build_extension.py

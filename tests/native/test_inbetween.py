@@ -519,7 +519,7 @@ def test_the_surveys_twisted_bar_loses_no_volume(data):
 def test_options_are_told_where_they_are_wrong():
     start, faces, end = twisted_tube()
     mesh = lissom.Mesh(start, faces)
-    with pytest.raises(TypeError, match="'refine' is none of the options: stretch, refinement"):
+    with pytest.raises(TypeError, match="'inbetween' has no option refine; it has rotation, stretch"):
         lissom.Inbetween(mesh, start, end, refine=3)
     with pytest.raises(lissom.InvalidValue, match="stretch: 'cubic' is none of linear, logarithmic"):
         lissom.start_inbetween(mesh, start, end, stretch="cubic")

@@ -4,7 +4,7 @@ use lissom::{Error, Fault, Mat4, Vec3};
 use numpy::{PyArray, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::PyDict;
 
 use crate::errors;
 
@@ -76,7 +76,6 @@ fn indices(
     expected: &[i64],
     invalid: fn(Fault) -> Error,
 ) -> PyResult<Vec<u32>> {
-    let py = value.py();
     let (shape, array) = native(name, value, Kind::Index)?;
     if shape != [0] {
         expect_shape(name, &shape, expected)?;
@@ -87,7 +86,7 @@ fn indices(
     let row = expected.iter().skip(1).product::<i64>().max(1) as usize;
     let bad = values.chunks(row).enumerate().filter(|(_, r)| r.iter().any(|&v| u32::try_from(v).is_err()));
     if let Some(fault) = Fault::at(name, "index negative or too large", bad.map(|(i, _)| i)) {
-        return Err(errors::to_python(py, invalid(fault)));
+        return Err(errors::to_python(invalid(fault)));
     }
     Ok(values.iter().map(|&v| v as u32).collect())
 }
@@ -159,10 +158,15 @@ pub fn number_lists(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Option
     items.enumerate().map(list).collect()
 }
 
-/// A count: a whole number that is not negative.
-pub fn count(py: Python<'_>, name: &str, given: i64) -> PyResult<usize> {
-    let problem = || Fault::new(name, format!("must not be negative, got {given}"));
-    usize::try_from(given).map_err(|_| errors::to_python(py, Error::InvalidValue(problem())))
+/// A sequence of (time, (n, 3) positions).
+pub fn timed_shapes(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<(f64, Vec<Vec3>)>> {
+    let expected =
+        || PyTypeError::new_err(format!("{name}: expected a list of (time, shape), shapes as (n, 3) arrays"));
+    let shape = |(k, item): (usize, PyResult<Bound<'_, PyAny>>)| {
+        let (time, shape): (f64, Bound<'_, PyAny>) = item?.extract().map_err(|_| expected())?;
+        Ok((time, points(&format!("{name}[{k}]"), &shape)?))
+    };
+    value.try_iter().map_err(|_| expected())?.enumerate().map(shape).collect()
 }
 
 /// Refuses a sequence of another length.
@@ -205,19 +209,4 @@ pub fn from_numbers(py: Python<'_>, values: impl IntoIterator<Item = f64>) -> Py
 /// Whole numbers as an int64 array.
 pub fn from_integers(py: Python<'_>, values: impl IntoIterator<Item = i64>) -> Py<PyAny> {
     PyArray::from_iter(py, values).into_any().unbind()
-}
-
-/// One of a few named choices.
-pub fn choice<T: Copy>(py: Python<'_>, name: &str, given: &str, kinds: &[(&str, T)]) -> PyResult<T> {
-    if let Some((_, kind)) = kinds.iter().find(|(known, _)| *known == given) {
-        return Ok(*kind);
-    }
-    let known: Vec<&str> = kinds.iter().map(|(known, _)| *known).collect();
-    let problem = format!("'{given}' is none of {}", known.join(", "));
-    Err(errors::to_python(py, Error::InvalidValue(Fault::new(name, problem))))
-}
-
-/// Strings as a list.
-pub fn from_strings(py: Python<'_>, strings: &[String]) -> PyResult<Py<PyAny>> {
-    Ok(PyList::new(py, strings)?.into_any().unbind())
 }

@@ -65,7 +65,11 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
 }
 
 /// The exception for an error of the core.
-pub fn to_python(py: Python<'_>, error: CoreError) -> PyErr {
+pub fn to_python(error: CoreError) -> PyErr {
+    Python::attach(|py| located_in(py, error))
+}
+
+fn located_in(py: Python<'_>, error: CoreError) -> PyErr {
     let message = error.to_string();
     match error {
         CoreError::InvalidMesh(fault) => located(py, InvalidMesh::new_err(message), &fault),

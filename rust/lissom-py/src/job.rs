@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use lissom::{Error, Job};
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 
 use crate::errors;
 
@@ -40,6 +41,8 @@ enum State {
 pub struct PyJob {
     job: Job,
     state: Mutex<State>,
+    /// What the caller makes of the result.
+    then: OnceLock<Py<PyAny>>,
 }
 
 impl Drop for PyJob {
@@ -97,7 +100,7 @@ impl PyJob {
             let _ = sender.send(outcome);
         };
         std::thread::Builder::new().name("lissom".into()).spawn(run)?;
-        Ok(Self { job, state: Mutex::new(State::Running(receiver)) })
+        Ok(Self { job, state: Mutex::new(State::Running(receiver)), then: OnceLock::new() })
     }
 
     /// Waits up to `time` with the interpreter released; whether the job has finished.
@@ -119,9 +122,12 @@ impl PyJob {
                 py.detach(|| std::thread::sleep(Duration::from_millis(1)));
                 return false;
             }
-            Some(Ok(_)) if self.job.is_cancelled() => Err(errors::to_python(py, Error::Cancelled)),
-            Some(Ok(Outcome::Done(convert))) => convert(py),
-            Some(Ok(Outcome::Failed(error))) => Err(errors::to_python(py, error)),
+            Some(Ok(_)) if self.job.is_cancelled() => Err(errors::to_python(Error::Cancelled)),
+            Some(Ok(Outcome::Done(convert))) => convert(py).and_then(|made| match self.then.get() {
+                Some(then) => then.call1(py, (made,)),
+                None => Ok(made),
+            }),
+            Some(Ok(Outcome::Failed(error))) => Err(errors::to_python(error)),
             Some(Ok(Outcome::Panicked(payload))) => Err(errors::from_panic(&*payload)),
         };
         self.finish(py, result);
@@ -149,13 +155,26 @@ impl PyJob {
         self.wait(py, Duration::ZERO)
     }
 
+    /// Lets `then` make the result of what the job returns; the job itself.
+    fn _then(this: Py<Self>, then: Py<PyAny>) -> Py<Self> {
+        // Only whoever starts a job calls this, once.
+        let _ = this.get().then.set(then);
+        this
+    }
+
+    /// `Job[Posed]`, for annotations.
+    #[classmethod]
+    fn __class_getitem__(class: Py<PyType>, _item: &Bound<'_, PyAny>) -> Py<PyType> {
+        class
+    }
+
     /// Asks the job to stop; `result()` then raises `lissom.Cancelled` within 0.2 s.
     fn cancel(&self) {
         self.job.cancel();
     }
 
     /// Waits for the job and returns its result, or raises its error. Ctrl-C cancels it.
-    fn result(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+    pub fn result(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let mut cancelled: Option<Instant> = None;
         while !self.wait(py, GLANCE) {
             if let Err(interrupt) = py.check_signals() {
@@ -163,7 +182,7 @@ impl PyJob {
                 return Err(interrupt);
             }
             if self.job.is_cancelled() && cancelled.get_or_insert_with(Instant::now).elapsed() > PATIENCE {
-                self.finish(py, Err(errors::to_python(py, Error::Cancelled)));
+                self.finish(py, Err(errors::to_python(Error::Cancelled)));
             }
         }
         let copy = |result: &PyResult<Py<PyAny>>| match result {
@@ -177,33 +196,8 @@ impl PyJob {
     }
 }
 
-/// Runs `work` as a job and waits for it: the interpreter is released, Ctrl-C gets through, and no
-/// panic does.
-pub fn run<T: Send + 'static>(
-    py: Python<'_>,
-    work: impl FnOnce(&Job) -> lissom::Result<T> + Send + 'static,
-    convert: impl FnOnce(Python<'_>, T) -> PyResult<Py<PyAny>> + Send + 'static,
-) -> PyResult<Py<PyAny>> {
-    PyJob::start(work, convert)?.result(py)
-}
-
-/// Like [`run`], for a value that stays in Rust.
-pub fn run_value<T: Send + 'static>(
-    py: Python<'_>,
-    work: impl FnOnce(&Job) -> lissom::Result<T> + Send + 'static,
-) -> PyResult<T> {
-    let slot = std::sync::Arc::new(Mutex::new(None));
-    let filled = slot.clone();
-    run(py, work, move |py, value| {
-        *filled.lock().unwrap_or_else(PoisonError::into_inner) = Some(value);
-        Ok(py.None())
-    })?;
-    let value = slot.lock().unwrap_or_else(PoisonError::into_inner).take();
-    value.ok_or_else(|| errors::InternalError::new_err("a job returned nothing"))
-}
-
 /// Panics inside the core, to show that the caller survives it.
 #[pyfunction]
 pub fn _panic(py: Python<'_>) -> PyResult<Py<PyAny>> {
-    run(py, |_| -> lissom::Result<()> { panic!("asked to") }, |py, ()| Ok(py.None()))
+    PyJob::start(|_| -> lissom::Result<()> { panic!("asked to") }, |py, ()| Ok(py.None()))?.result(py)
 }

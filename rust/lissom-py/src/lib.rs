@@ -1,31 +1,46 @@
-//! The Python module `lissom`: check, release the interpreter, convert. No mathematics.
+//! The native part of the Python module `lissom`: check, release the interpreter, convert. No mathematics. Every
+//! call that may take long returns a job; the Python layer waits for it, and gives results their types.
 
 mod arrays;
 mod errors;
 mod inbetween;
 mod job;
 mod mesh;
+mod options;
 mod pose;
 mod transfer;
 
 use pyo3::prelude::*;
 
-/// Pose, transfer and interpolate triangle meshes.
-///
-/// Positions are float64 arrays of shape (n, 3) in the mesh's own units, indices are integer arrays
-/// counted from 0. Other float and integer arrays, in any memory layout, are converted.
-#[pymodule(name = "lissom")]
-fn lissom_py(module: &Bound<'_, PyModule>) -> PyResult<()> {
+/// A dict of fields of a struct, by their names.
+macro_rules! fields {
+    ($py:expr, $from:expr; $($field:ident),+) => {{
+        let dict = pyo3::types::PyDict::new($py);
+        $(dict.set_item(stringify!($field), &$from.$field)?;)+
+        dict
+    }};
+}
+pub(crate) use fields;
+
+#[pymodule(name = "_native")]
+fn native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     job::HOME.get_or_init(std::process::id);
     errors::register(module)?;
     module.add_class::<job::PyJob>()?;
     module.add_class::<mesh::PyMesh>()?;
-    pose::register(module)?;
-    transfer::register(module)?;
+    module.add_class::<pose::PyPose>()?;
+    module.add_class::<transfer::PyFit>()?;
+    module.add_class::<transfer::PyTransfer>()?;
     module.add_class::<inbetween::PyInbetween>()?;
     module.add_class::<inbetween::PyBlend>()?;
-    module.add_class::<inbetween::PyKeyframes>()?;
+    module.add_function(wrap_pyfunction!(options::options, module)?)?;
+    module.add_function(wrap_pyfunction!(pose::start_pose, module)?)?;
+    module.add_function(wrap_pyfunction!(transfer::start_fit, module)?)?;
+    module.add_function(wrap_pyfunction!(transfer::start_transfer, module)?)?;
     module.add_function(wrap_pyfunction!(inbetween::start_inbetween, module)?)?;
-    module.add_function(wrap_pyfunction!(job::_panic, module)?)
+    module.add_function(wrap_pyfunction!(inbetween::start_blend, module)?)?;
+    module.add_function(wrap_pyfunction!(job::_panic, module)?)?;
+    // What is public, the Python layer says.
+    module.delattr("__all__")
 }

@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use lissom::Mesh;
-use pyo3::exceptions::PyTypeError;
+use lissom::{Job, Mesh};
 use pyo3::prelude::*;
-use pyo3::types::PyBool;
 
-use crate::{arrays, job};
+use crate::job::PyJob;
+use crate::{arrays, options};
 
 /// A triangle mesh, checked once.
 ///
@@ -28,18 +27,13 @@ impl PyMesh {
         vertices: &Bound<'_, PyAny>,
         triangles: &Bound<'_, PyAny>,
         weld: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
-        let weld = match weld {
-            Some(weld) if weld.is_instance_of::<PyBool>() => {
-                return Err(PyTypeError::new_err("weld: expected a distance, got a bool"));
-            }
-            Some(weld) => Some(weld.extract::<f64>()?),
-            None => None,
-        };
+    ) -> PyResult<Py<Self>> {
+        let weld = weld.map(|weld| options::float("weld", weld)).transpose()?;
         let vertices = arrays::points("vertices", vertices)?;
         let triangles = arrays::triangles("triangles", triangles)?;
-        let mesh = job::run_value(py, move |_| Mesh::welded(vertices, triangles, weld))?;
-        Ok(Self(Arc::new(mesh)))
+        let work = move |_: &Job| Mesh::welded(vertices, triangles, weld);
+        let job = PyJob::start(work, |py, mesh| Ok(Py::new(py, Self(Arc::new(mesh)))?.into_any()))?;
+        Ok(job.result(py)?.into_bound(py).cast_into::<Self>()?.unbind())
     }
 
     /// (n, 3) float64: the positions as given.
@@ -62,8 +56,8 @@ impl PyMesh {
 
     /// list of str: what was mended or is doubtful.
     #[getter]
-    fn warnings(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        arrays::from_strings(py, self.0.warnings())
+    fn warnings(&self) -> &[String] {
+        self.0.warnings()
     }
 
     fn __repr__(&self) -> String {

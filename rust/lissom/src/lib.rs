@@ -56,6 +56,7 @@ pub mod linear;
 pub mod memory;
 pub mod mesh;
 pub mod operators;
+pub mod options;
 pub mod pose;
 pub mod rotation;
 pub mod stitch;

@@ -56,7 +56,7 @@ mod volume;
 
 pub use blend::Blend;
 pub use keyframes::Keyframes;
-pub use options::{InbetweenOptions, Obstacle, Rotation};
+pub use options::{BlendOptions, InbetweenOptions, Rotation};
 pub use path::Inbetween;
 pub use route::Route;
 pub use stretch::Stretch;

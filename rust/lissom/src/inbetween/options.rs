@@ -1,42 +1,51 @@
-//! What a path may be told.
+//! What a path and a blend may be told.
 
 use std::sync::Arc;
 
 use super::stretch::Stretch;
+use crate::options::{choices, options};
 use crate::{Mesh, Vec3};
 
-/// How the turn of a triangle is chosen among all that lead to the same rotation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Rotation {
-    /// Neighbours turn together: twists beyond half a turn, and several turns, come out whole.
-    #[default]
-    Consistent,
-    /// The turns between neighbours, integrated over the whole mesh.
-    Relative,
-    /// Every triangle by at most half a turn.
-    Shortest,
+choices! {
+    /// How the turn of a triangle is chosen among all that lead to the same rotation.
+    pub enum Rotation {
+        /// Neighbouring triangles turn together: twists beyond half a turn, and several turns, come out whole.
+        Consistent = "consistent",
+        /// The turns between neighbours are spread over the whole mesh: for several turns along a long part.
+        Relative = "relative",
+        /// Every triangle turns by at most half a turn, by itself.
+        Shortest = "shortest",
+    }
 }
 
-/// Options of [`Inbetween`].
-#[derive(Debug, Clone, Default)]
-pub struct InbetweenOptions {
-    /// How turns are chosen.
-    pub rotation: Rotation,
-    /// How stretches go from start to end.
-    pub stretch: Stretch,
-    /// How many rounds of refitting the rotations to the stitched shape.
-    pub refinement: usize,
-    /// Whether closed components keep their volume, in equal steps from the start's to the end's.
-    pub preserve_volume: bool,
-    /// What no in-between may enter deeper than the ends do.
-    pub clearance: Option<Obstacle>,
+options! {
+    /// Options of [`super::Inbetween`] and [`super::Route`].
+    #[derive(Debug, Clone)]
+    pub struct InbetweenOptions {
+        /// How the turn of every triangle is chosen.
+        pub rotation: Rotation = Rotation::Consistent,
+        /// How triangles grow and shrink along the path.
+        pub stretch: Stretch = Stretch::Linear,
+        /// Rounds in which turns are fitted to the shapes that came out: lengths along the path get two to four
+        /// times better in 4 to 16.
+        pub refinement: usize = 0,
+        /// Shapes to hit on the way, each (time, positions), in ascending order; speed may change there.
+        pub through: Vec<(f64, Vec<Vec3>)> = Vec::new(),
+        /// Closed components keep their volume: it changes in equal steps and none is lost between the ends.
+        pub preserve_volume: bool = false,
+        /// A closed mesh in the same units, as an eyeball under a lid, that no vertex enters deeper than at the
+        /// deeper of its ends.
+        pub clearance: Option<Arc<Mesh>> = None,
+        /// Where the vertices of that mesh are at the end, if they move.
+        pub clearance_end: Option<Vec<Vec3>> = None => unit("the mesh's units"),
+    }
 }
 
-/// A closed surface in the same units, and where its vertices are at the end, if elsewhere.
-#[derive(Debug, Clone)]
-pub struct Obstacle {
-    /// Where it is at the start.
-    pub mesh: Arc<Mesh>,
-    /// One position per vertex.
-    pub end: Option<Vec<Vec3>>,
+options! {
+    /// Options of [`super::Blend`].
+    #[derive(Debug, Clone)]
+    pub struct BlendOptions {
+        /// Rounds in which turns are fitted to the shape that came out.
+        pub refinement: usize = 0,
+    }
 }

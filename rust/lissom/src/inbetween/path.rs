@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::branches::Turn;
 use super::clearance::Clearance;
 use super::drift::Drift;
-use super::options::{InbetweenOptions, Obstacle, Rotation};
+use super::options::{InbetweenOptions, Rotation};
 use super::relative::Relative;
 use super::shapes::{Asked, Shapes};
 use super::stretch::{self, Stretch, shares};
@@ -90,9 +90,13 @@ impl Inbetween {
         let open = volumes.iter().flat_map(Volumes::open).map(|c| firsts[c]);
         let problem = "open components, which have no volume to preserve, named by their first vertex";
         warnings.extend(Fault::at("preserve_volume", problem, open).map(|fault| fault.to_string()));
-        let clearance = match &options.clearance {
-            Some(obstacle) => Some(clearance(obstacle, [start, end], shapes.scale, job)?),
-            None => None,
+        let clearance = match (&options.clearance, &options.clearance_end) {
+            (Some(mesh), moved) => Some(clearance(mesh, moved.as_deref(), [start, end], shapes.scale, job)?),
+            (None, Some(_)) => {
+                let problem = "needs clearance, the surface that it moves";
+                return Err(Error::InvalidValue(Fault::new("clearance_end", problem)));
+            }
+            (None, None) => None,
         };
 
         job.report(0.7, "turns");
@@ -231,10 +235,15 @@ impl Inbetween {
     }
 }
 
-/// What keeps a path from `ends[0]` to `ends[1]` out of an obstacle, which goes its own way where it moves.
-fn clearance(obstacle: &Obstacle, ends: [&[Vec3]; 2], scale: f64, job: &Job) -> Result<Clearance> {
-    let Obstacle { mesh, end } = obstacle;
-    let path = match end {
+/// What keeps a path from `ends[0]` to `ends[1]` out of an obstacle, whose vertices end where they are `moved` to.
+fn clearance(
+    mesh: &Arc<Mesh>,
+    moved: Option<&[Vec3]>,
+    ends: [&[Vec3]; 2],
+    scale: f64,
+    job: &Job,
+) -> Result<Clearance> {
+    let path = match moved {
         Some(end) => {
             let path = Inbetween::new(mesh.clone(), mesh.vertices(), end, InbetweenOptions::default(), job);
             Some(path.map_err(|error| error.renamed("clearance_end"))?)

@@ -40,7 +40,7 @@ impl Route {
         {
             return Err(Error::InvalidValue(fault));
         }
-        if options.clearance.as_ref().is_some_and(|c| c.end.is_some()) && !through.is_empty() {
+        if options.clearance_end.is_some() && !through.is_empty() {
             let problem = "an obstacle that moves and shapes to go through do not go together";
             return Err(Error::InvalidValue(Fault::new("clearance_end", problem)));
         }

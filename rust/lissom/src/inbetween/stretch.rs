@@ -18,19 +18,20 @@ use super::rotations::Motion;
 use crate::geometry::matrix::trace;
 use crate::geometry::triangle::normal_and_area;
 use crate::operators::gradient::triangle_gradient;
+use crate::options::choices;
 use crate::{Mesh, Vec3};
 
 /// Stretches nearer to each other than this fraction are taken as one.
 const EQUAL: f64 = 1e-6;
 
-/// How stretches go from start to end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Stretch {
-    /// In equal steps, as in the report of 2000.
-    #[default]
-    Linear,
-    /// By equal factors. Triangles that collapse, or turn over within a flat sheet, go in equal steps.
-    Logarithmic,
+choices! {
+    /// How stretches go from start to end.
+    pub enum Stretch {
+        /// Lengths grow by the same amount in equal times, as in the report of 2000.
+        Linear = "linear",
+        /// Lengths grow by the same factor in equal times; triangles that collapse or turn over go in equal steps.
+        Logarithmic = "logarithmic",
+    }
 }
 
 /// The two stretches of each triangle; `None` where it has none that are positive.

@@ -33,9 +33,10 @@ use crate::geometry::matrix::norm_squared;
 use crate::geometry::rows::Rows;
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
+use crate::options::{choices, options};
 use crate::rotation::nearest_rotation;
 use crate::stitch::{Chooser, Fit, Owners, Reference, Stitcher, Stop, Weights, edge_weights};
-use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
+use crate::{Job, Mat3, Mesh, Result, Vec3};
 
 /// Spread rotations are a start where they bring the energy below this fraction of that without.
 const CLEARLY: f64 = 0.8;
@@ -44,25 +45,32 @@ const CLEARLY: f64 = 0.8;
 /// rules over distances below a tenth of the region's size.
 const BENDING: f64 = 0.01;
 
-/// Which edges a vertex's rotation is fitted to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Cells {
-    /// All edges of the triangles at the vertex.
-    #[default]
-    SpokesAndRims,
-    /// The edges that end in the vertex.
-    Spokes,
+choices! {
+    /// Which edges a vertex's rotation is fitted to.
+    pub enum Cells {
+        /// All edges of the triangles around it.
+        SpokesAndRims = "spokes_and_rims",
+        /// Only the edges that end in it, as first published.
+        Spokes = "spokes",
+    }
 }
 
-/// Options of ARAP.
-#[derive(Debug, Clone, Default)]
-pub struct Options {
-    /// Which edges a vertex's rotation is fitted to.
-    pub cells: Cells,
-    /// `a`, 0 or more: how much neighbours' rotations must agree.
-    pub rotation_smoothing: f64,
-    /// `l`, from 0 to below 1: how much curvature counts against edges.
-    pub smoothness: f64,
+options! {
+    /// Options of ARAP: the cells, `a` and `l`.
+    #[derive(Debug, Clone)]
+    pub struct Options {
+        /// The edges around a vertex that are kept rigid together.
+        pub cells: Cells = Cells::SpokesAndRims,
+        /// How much neighbours must turn alike: more spreads a bend over a longer stretch.
+        pub rotation_smoothing: f64 = 0.0 => at_least(0.0),
+        /// How much curvature counts against lengths: 0.1 takes the spike off a single moved vertex.
+        pub smoothness: f64 = 0.0 => at_least(0.0) below(1.0),
+    }
+}
+
+/// Binds the method to a region.
+pub(super) fn bind(region: &Region, options: &Options, job: &Job) -> Result<Box<dyn Method>> {
+    Ok(Box::new(Arap::new(region, options, job)?))
 }
 
 /// ARAP bound to a region.
@@ -97,16 +105,8 @@ impl Arap {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidValue`] for options out of their range, [`Error::SolveFailed`] where the system
-    /// cannot be factored.
+    /// [`crate::Error::SolveFailed`] where the system cannot be factored.
     pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
-        let invalid = |name: &str, problem: &str| Err(Error::InvalidValue(Fault::new(name, problem)));
-        if !(options.rotation_smoothing >= 0.0 && options.rotation_smoothing.is_finite()) {
-            return invalid("rotation_smoothing", "must be 0 or more");
-        }
-        if !(0.0..1.0).contains(&options.smoothness) {
-            return invalid("smoothness", "must be from 0 to below 1");
-        }
         let mesh = region.mesh();
         let share = 1.0 - options.smoothness;
         let smoothness = (options.smoothness > 0.0).then(|| Smoothness::of(mesh, options.smoothness));

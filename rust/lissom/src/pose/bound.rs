@@ -9,6 +9,7 @@ use super::region::{Handle, Hold, Region};
 use super::registry::MethodOptions;
 use super::welding::Welding;
 use crate::linear::{Factor, REGULARIZED};
+use crate::options::OptionSet;
 use crate::rotation::agree;
 use crate::{Error, Fault, Job, Mat4, Mesh, Result, Vec3};
 
@@ -200,9 +201,7 @@ impl Pose {
         options: &SolveOptions,
         job: &Job,
     ) -> Result<Posed> {
-        if options.tolerance.is_nan() || options.tolerance < 0.0 {
-            return Err(Error::InvalidValue(Fault::new("tolerance", "must be 0 or more")));
-        }
+        options.check()?;
         let begin = Instant::now();
         let mut report = Report { converged: true, warnings: self.warnings().to_vec(), ..Report::default() };
         let mut vertices = self.mesh.vertices().to_vec();

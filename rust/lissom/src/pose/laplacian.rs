@@ -12,28 +12,37 @@
 
 use super::field::inverse_mass;
 use super::goal::Goal;
+use super::method::Method;
 use super::region::Region;
-use super::responses::{Response, minima};
+use super::responses::{Linear, Response, minima};
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::graph::graph_laplacian;
+use crate::options::{choices, options};
 use crate::{Job, Mesh, Result, Vec3};
 
-/// How neighbours are weighed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Weights {
-    /// Each the same, whatever the triangles' shapes.
-    Uniform,
-    /// By cotangents, which follow the surface and not its triangles.
-    #[default]
-    Cotangent,
+choices! {
+    /// How neighbours are weighed.
+    pub enum Weights {
+        /// By the shape of the triangles: fine and coarse parts act alike.
+        Cotangent = "cotangent",
+        /// All the same: for even meshes, and where triangles are very thin.
+        Uniform = "uniform",
+    }
 }
 
-/// Options of Laplacian editing.
-#[derive(Debug, Clone, Default)]
-pub struct Options {
-    /// How neighbours are weighed.
-    pub weights: Weights,
+options! {
+    /// Options of Laplacian editing.
+    #[derive(Debug, Clone)]
+    pub struct Options {
+        /// How much each neighbour of a vertex counts.
+        pub weights: Weights = Weights::Cotangent,
+    }
+}
+
+/// Binds the method to a region, with precomputed responses.
+pub(super) fn bind(region: &Region, options: &Options, job: &Job) -> Result<Box<dyn Method>> {
+    Ok(Box::new(Linear::new(Laplacian::new(region, options, job)?)))
 }
 
 /// Laplacian editing bound to a region.

@@ -23,11 +23,13 @@ use rayon::prelude::*;
 
 use super::goal::Goal;
 use super::laplacian::{Weights, operator};
+use super::method::Method;
 use super::region::Region;
-use super::responses::{Response, minima};
+use super::responses::{Linear, Response, minima};
 use crate::geometry::matrix::outer;
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::operators::graph::graph_laplacian;
+use crate::options::options;
 use crate::{Job, Mat3, Mesh, Result, Vec3};
 
 /// Added to `K`, relative to its trace. Where a vertex and its neighbours lie on a line, turns about it
@@ -38,20 +40,21 @@ const LINE: f64 = 1e-12;
 /// the largest entry of the matrix: of all poses it picks one that moves as little as it may.
 const AMBIGUOUS: f64 = 1e-8;
 
-/// Options of fitted Laplacian editing.
-#[derive(Debug, Clone)]
-pub struct Options {
-    /// How neighbours are weighed. Uniform is the thesis's choice: its `delta` also has a part along the
-    /// surface, which tells turns where the surface is flat, where the cotangent one vanishes.
-    pub weights: Weights,
-    /// Whether details may grow, `s I + [h]x`, or turn only, `I + [h]x`.
-    pub scale: bool,
+options! {
+    /// Options of fitted Laplacian editing. Uniform weights are the thesis's choice: its `delta` also has a part
+    /// along the surface, which tells turns where the surface is flat, where the cotangent one vanishes.
+    #[derive(Debug, Clone)]
+    pub struct Options {
+        /// How much each neighbour of a vertex counts.
+        pub weights: Weights = Weights::Uniform,
+        /// Let details grow and shrink as they turn: for handles that scale; large turns swell.
+        pub scale: bool = true,
+    }
 }
 
-impl Default for Options {
-    fn default() -> Self {
-        Self { weights: Weights::Uniform, scale: true }
-    }
+/// Binds the method to a region, with precomputed responses.
+pub(super) fn bind(region: &Region, options: &Options, job: &Job) -> Result<Box<dyn Method>> {
+    Ok(Box::new(Linear::new(LaplacianFitted::new(region, options, job)?)))
 }
 
 /// Fitted Laplacian editing bound to a region.

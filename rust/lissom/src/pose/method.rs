@@ -1,24 +1,52 @@
 //! What a pose method is.
 
 use super::goal::Goal;
-use super::region::Region;
+use super::region::{Hold, Region};
 use crate::linear::ConstrainedSystem;
+use crate::options::{choices, options};
 use crate::{Job, Result, Vec3};
 
-/// How long an iterative method goes on, and from where.
-#[derive(Debug, Clone, Copy)]
-pub struct SolveOptions {
-    /// Most iterations.
-    pub max_iterations: usize,
-    /// Stop when an iteration lowers the energy by less than this fraction of it.
-    pub tolerance: f64,
-    /// Start from the previous pose, where there is one, instead of the linear guess.
-    pub warm_start: bool,
+options! {
+    /// How long an iterative method goes on, and from where.
+    #[derive(Debug, Clone)]
+    pub struct SolveOptions {
+        /// Most iterations.
+        pub max_iterations: usize = 200,
+        /// Stop when an iteration lowers the energy by less than this.
+        pub tolerance: f64 = 1e-6 => at_least(0.0) unit("of the energy"),
+        /// Start from the previous pose, where there is one, instead of the linear guess.
+        pub warm_start: bool = true,
+    }
 }
 
-impl Default for SolveOptions {
-    fn default() -> Self {
-        Self { max_iterations: 200, tolerance: 1e-6, warm_start: true }
+choices! {
+    /// Whether handles hold their vertices exactly.
+    pub enum Holding {
+        /// They go exactly where their handle takes them.
+        Hard = "hard",
+        /// They are pulled there, and give way to the mesh around them.
+        Soft = "soft",
+    }
+}
+
+options! {
+    /// What every method has.
+    #[derive(Debug, Clone)]
+    pub struct CommonOptions {
+        /// Whether vertices of a handle go just where it takes them.
+        pub constraints: Holding = Holding::Hard,
+        /// How strongly soft handles pull: more holds them closer.
+        pub weight: f64 = 1.0 => above(0.0) when("constraints", "soft"),
+    }
+}
+
+impl CommonOptions {
+    /// How the handles hold.
+    pub fn hold(&self) -> Hold {
+        match self.constraints {
+            Holding::Hard => Hold::Hard,
+            Holding::Soft => Hold::Soft(self.weight),
+        }
     }
 }
 

@@ -33,7 +33,7 @@ mod welding;
 
 pub use bound::{Info, Pose, Posed, Report};
 pub use goal::{Goal, Motion};
-pub use method::{Method, Solution, SolveOptions};
+pub use method::{CommonOptions, Holding, Method, Solution, SolveOptions};
 pub use region::{Handle, Hold, Region};
 pub use registry::{METHODS, MethodOptions};
 pub use responses::{Linear, Response};

@@ -19,39 +19,42 @@ use super::field::{inverse_mass, polyharmonic};
 use super::goal::Goal;
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
-use super::registry::MethodOptions;
+use super::registry::{MethodOptions, no_method};
 use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
 use crate::operators::gradient::deformation_gradients;
+use crate::options::{choices, options};
 use crate::rotation::nearest_rotation;
 use crate::stitch::{Owners, Reference, Stitcher, Weights};
-use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
+use crate::{Job, Mat3, Mesh, Result, Vec3};
 
-/// How details are put back.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Details {
-    /// By stitching the base's deformation gradients.
-    #[default]
-    Gradients,
-    /// As offsets in the base's frames.
-    Offsets,
-}
-
-/// Options of multiresolution editing.
-#[derive(Debug, Clone)]
-pub struct Options {
-    /// The method that poses the base; any but this one.
-    pub base: Box<MethodOptions>,
-    /// Wave length below which shape is detail, as a fraction of the mesh's diagonal.
-    pub smoothing: f64,
+choices! {
     /// How details are put back.
-    pub details: Details,
+    pub enum Details {
+        /// Every triangle turns as its base does, and all are stitched.
+        Gradients = "gradients",
+        /// Every vertex keeps its offset in the frame of its base.
+        Offsets = "offsets",
+    }
 }
 
-impl Default for Options {
-    fn default() -> Self {
-        let base = Box::new(MethodOptions::Poisson(super::poisson::Options::default()));
-        Self { base, smoothing: 0.2, details: Details::default() }
+options! {
+    /// Options of multiresolution editing; those of the base's method are among them.
+    #[derive(Debug, Clone)]
+    pub struct Options {
+        /// Bumps narrower than this are details, and follow the base.
+        pub smoothing: f64 = 0.2 => at_least(0.0) unit("of the mesh's diagonal"),
+        /// How details are put back on the posed base.
+        pub details: Details = Details::Gradients,
+        /// The method that poses the smooth base, whose options may be given too.
+        pub base: Box<MethodOptions> = Box::new(MethodOptions::Poisson(super::poisson::Options::default()))
+            => otherwise(no_method),
+        ..base
     }
+}
+
+/// Binds the method to a region.
+pub(super) fn bind(region: &Region, options: &Options, job: &Job) -> Result<Box<dyn Method>> {
+    Ok(Box::new(Multiresolution::new(region, options, job)?))
 }
 
 /// Multiresolution editing bound to a region.
@@ -75,15 +78,8 @@ impl Multiresolution {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidValue`] for a base of this same method and for a smoothing that is negative or not
-    /// finite; [`Error::SolveFailed`] where a system cannot be factored.
+    /// [`crate::Error::SolveFailed`] where a system cannot be factored.
     pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
-        if matches!(*options.base, MethodOptions::Multiresolution(_)) {
-            return Err(Error::InvalidValue(Fault::new("base", "must be another method")));
-        }
-        if !(options.smoothing >= 0.0 && options.smoothing.is_finite()) {
-            return Err(Error::InvalidValue(Fault::new("smoothing", "must be 0 or more")));
-        }
         let mesh = region.mesh();
         let offsets = details(region, options.smoothing / TAU, job)?;
         let smooth = mesh.rest().iter().zip(&offsets).map(|(&v, &d)| v - d).collect();

@@ -20,6 +20,7 @@ use super::goal::{Goal, Motion};
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
 use crate::linear::ConstrainedSystem;
+use crate::options::options;
 use crate::rotation::{exp, polar};
 use crate::stitch::{Owners, Reference, Stitcher, Weights};
 use crate::{Job, Mat3, Result, Vec3};
@@ -27,12 +28,19 @@ use crate::{Job, Mat3, Result, Vec3};
 /// Stretch of a handle that counts as none.
 const ROUNDING: f64 = 1e-12;
 
-/// Options of Poisson editing.
-#[derive(Debug, Clone, Default)]
-pub struct Options {
-    /// How smoothly weights leave the handles: 0 harmonic, 1 with continuous slope, 2 with continuous
-    /// curvature. Positions are smoother by one order.
-    pub border: usize,
+options! {
+    /// Options of Poisson editing. Positions are smoother by one order than the weights.
+    #[derive(Debug, Clone)]
+    pub struct Options {
+        /// How smoothly the pose joins the handles and the border of the region: 0 in value, 1 in slope too,
+        /// 2 in curvature too.
+        pub border: usize = 0 => at_most(2.0),
+    }
+}
+
+/// Binds the method to a region.
+pub(super) fn bind(region: &Region, options: &Options, job: &Job) -> Result<Box<dyn Method>> {
+    Ok(Box::new(Poisson::new(region, options, job)?))
 }
 
 /// Poisson editing bound to a region.
@@ -48,8 +56,7 @@ impl Poisson {
     ///
     /// # Errors
     ///
-    /// [`crate::Error::InvalidValue`] for a border that is not 0, 1 or 2, [`crate::Error::SolveFailed`]
-    /// where a system cannot be factored.
+    /// [`crate::Error::SolveFailed`] where a system cannot be factored.
     pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let smooth = match options.border {
             0 => None,

@@ -27,6 +27,7 @@ use super::region::Region;
 use super::responses::{Linear, Response};
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::operators::principal::{Principal, principal_directions};
+use crate::options::{choices, options};
 use crate::rotation::{exp, nearest_rotation};
 use crate::stitch::{self, Owners, Reference, Stitcher, edge_weights};
 use crate::{Job, Mat3, Mesh, Result, Vec3};
@@ -37,48 +38,39 @@ const FLAT: f64 = 1e-3;
 /// Least weight of an edge: it keeps frames together across the principal direction.
 const LEAST_WEIGHT: f64 = 0.05;
 
-/// How frame equations are weighed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Frames {
-    /// Each the same.
-    #[default]
-    Uniform,
-    /// More along the direction of largest curvature, less across.
-    Principal,
-}
-
-/// What is spread over the free vertices.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Interpolation {
-    /// Rotation vectors: any angle, whole turns counted.
-    #[default]
-    RotationVector,
-    /// Matrices, as in the thesis.
-    Matrix,
-}
-
-/// Options of rotation-invariant coordinates.
-#[derive(Debug, Clone)]
-pub struct Options {
-    /// How neighbours are weighed.
-    pub weights: Weights,
+choices! {
     /// How frame equations are weighed.
-    pub frames: Frames,
-    /// What is spread.
-    pub interpolation: Interpolation,
-    /// Whether interpolated matrices become rotations before positions are solved for. Without, the whole
-    /// method is linear, and the handles' linear parts are spread as they are, stretches and all.
-    pub project: bool,
+    pub enum Frames {
+        /// Along all edges alike.
+        Uniform = "uniform",
+        /// Rather along the directions in which the surface curves most.
+        Principal = "principal",
+    }
 }
 
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            weights: Weights::default(),
-            frames: Frames::default(),
-            interpolation: Interpolation::default(),
-            project: true,
-        }
+choices! {
+    /// What is spread over the free vertices.
+    pub enum Interpolation {
+        /// Axis and angle: also half a turn and more, whole turns counted.
+        RotationVector = "rotation_vector",
+        /// The nine entries, as in the thesis: for turns well below half a turn.
+        Matrix = "matrix",
+    }
+}
+
+options! {
+    /// Options of rotation-invariant coordinates. Matrices that are not projected make the whole method linear,
+    /// and the handles' linear parts are spread as they are, stretches and all.
+    #[derive(Debug, Clone)]
+    pub struct Options {
+        /// How much each neighbour of a vertex counts.
+        pub weights: Weights = Weights::Cotangent,
+        /// Along which edges turns are spread.
+        pub frames: Frames = Frames::Uniform,
+        /// What is spread between the handles.
+        pub interpolation: Interpolation = Interpolation::RotationVector,
+        /// Make every spread matrix a rotation; without, stretches of the handles are spread as well.
+        pub project: bool = true => when("interpolation", "matrix"),
     }
 }
 
@@ -96,7 +88,7 @@ pub struct RotationInvariant {
 /// # Errors
 ///
 /// [`crate::Error::SolveFailed`] where a system cannot be factored.
-pub fn bind(region: &Region, options: &Options, job: &Job) -> Result<Box<dyn Method>> {
+pub(super) fn bind(region: &Region, options: &Options, job: &Job) -> Result<Box<dyn Method>> {
     let linear = options.interpolation == Interpolation::Matrix && !options.project;
     let method = RotationInvariant::new(region, options, job)?;
     Ok(if linear { Box::new(Linear::new(method)) } else { Box::new(method) })

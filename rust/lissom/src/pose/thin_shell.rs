@@ -16,28 +16,32 @@
 
 use super::field::{inverse_mass, polyharmonic};
 use super::goal::Goal;
+use super::method::Method;
 use super::region::Region;
-use super::responses::{Response, minima};
+use super::responses::{Linear, Response, minima};
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
+use crate::options::options;
 use crate::{Error, Fault, Job, Result, Vec3};
 
-/// Options of the thin shell. Stiffnesses are meant in unit coordinates (box diagonal 1), where
-/// `sqrt(k_b / k_s)` is the length over which bending gives way to stretching.
-#[derive(Debug, Clone)]
-pub struct Options {
-    /// `k_s`, resistance to stretching; 0 or more.
-    pub stretching: f64,
-    /// `k_b`, resistance to bending; 0 or more, and not both 0.
-    pub bending: f64,
-    /// How the free surface meets given vertices: 0 in position, 1 in slope too, 2 in curvature too.
-    pub border: usize,
+options! {
+    /// Options of the thin shell. Stiffnesses are meant in unit coordinates (box diagonal 1), where
+    /// `sqrt(k_b / k_s)` is the length over which bending gives way to stretching; they may not both be 0.
+    #[derive(Debug, Clone)]
+    pub struct Options {
+        /// Resistance to stretching.
+        pub k_s: f64 = 1.0 => at_least(0.0),
+        /// Resistance to bending.
+        pub k_b: f64 = 2.0 => at_least(0.0),
+        /// How smoothly the pose joins the handles and the border of the region: 0 in value, 1 in slope too,
+        /// 2 in curvature too.
+        pub border: usize = 1 => at_most(2.0),
+    }
 }
 
-impl Default for Options {
-    fn default() -> Self {
-        Self { stretching: 1.0, bending: 2.0, border: 1 }
-    }
+/// Binds the method to a region, with precomputed responses.
+pub(super) fn bind(region: &Region, options: &Options, job: &Job) -> Result<Box<dyn Method>> {
+    Ok(Box::new(Linear::new(ThinShell::new(region, options, job)?)))
 }
 
 /// A thin shell bound to a region.
@@ -54,15 +58,10 @@ impl ThinShell {
     ///
     /// # Errors
     ///
-    /// [`Error::InvalidValue`] for negative stiffnesses, two zeros and another border;
+    /// [`Error::InvalidValue`] for two stiffnesses of 0;
     /// [`Error::SolveFailed`] where the matrix cannot be factored.
     pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
-        let (k_s, k_b) = (options.stretching, options.bending);
-        for (name, stiffness) in [("k_s", k_s), ("k_b", k_b)] {
-            if !(stiffness >= 0.0 && stiffness.is_finite()) {
-                return Err(Error::InvalidValue(Fault::new(name, "must be a number of 0 or more")));
-            }
-        }
+        let (k_s, k_b) = (options.k_s, options.k_b);
         if k_s == 0.0 && k_b == 0.0 {
             return Err(Error::InvalidValue(Fault::new("k_b", "must not be 0 where k_s is 0 too")));
         }
@@ -83,7 +82,7 @@ impl ThinShell {
 
     /// `(k_s L + k_b L M^-1 L) x`, times `L M^-1` for border 2.
     fn product(&self, x: &[f64]) -> Vec<f64> {
-        let (k_s, k_b) = (self.options.stretching, self.options.bending);
+        let (k_s, k_b) = (self.options.k_s, self.options.k_b);
         let bent = self.laplacian.times(x).into_iter().zip(&self.inverse);
         let both: Vec<f64> = bent.zip(x).map(|((l, inverse), x)| k_s * x + k_b * inverse * l).collect();
         match self.options.border {

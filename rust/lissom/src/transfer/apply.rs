@@ -21,6 +21,7 @@ use super::correspondence::Correspondence;
 use super::obstacle::{Least, Obstacles};
 use super::place::Placer;
 use crate::linear::{ConstrainedSystem, Constraints, REGULARIZED};
+use crate::options::{OptionSet, choices, options};
 use crate::stitch::{Owners, Reference, Stitcher, Weights};
 use crate::{Error, Fault, Job, Mesh, Result, Vec3, memory};
 
@@ -30,43 +31,40 @@ const KEYS_AT_ONCE: usize = 8;
 /// Triangles below this fraction of the mean area count as having it, where weights are per pair.
 const LEAST_AREA: f64 = 1e-3;
 
-/// What a component of the target does that no source triangle is matched with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Unmatched {
-    /// It follows the nearest matched surface of the target, rigidly.
-    #[default]
-    Follow,
-    /// It stays at rest.
-    Rest,
+choices! {
+    /// What a component of the target does that no source triangle is matched with.
+    pub enum Unmatched {
+        /// It follows the nearest matched surface of the target, rigidly.
+        Follow = "follow",
+        /// It stays at rest.
+        Rest = "rest",
+    }
 }
 
-/// How much each target triangle counts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Weighting {
-    /// Each pair the same, as Sumner & Popović (2004) sum them: `w_t` is the number of matches.
-    Pairs,
-    /// Each triangle by its area, so that the result does not depend on how finely either mesh is cut.
-    #[default]
-    Area,
-}
-
-/// What a transfer may be told.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TransferOptions {
-    /// What components without a match do.
-    pub unmatched: Unmatched,
+choices! {
     /// How much each target triangle counts.
-    pub weighting: Weighting,
-    /// `l`: over distances below it gradients rule, beyond it displacements; a fraction of the target's
-    /// diagonal, without bound for gradients alone ([`super::anchor`]).
-    pub anchor: f64,
-    /// Whether surfaces that come together on the source do so on the target ([`super::contact`]).
-    pub contact: bool,
+    pub enum Weighting {
+        /// By its area, so that the result does not depend on how finely either mesh is cut.
+        Area = "area",
+        /// By its number of matches, as in the paper.
+        Pairs = "pairs",
+    }
 }
 
-impl Default for TransferOptions {
-    fn default() -> Self {
-        Self { unmatched: Unmatched::default(), weighting: Weighting::default(), anchor: 1.0, contact: false }
+options! {
+    /// What a transfer may be told ([`super::anchor`], [`super::contact`]).
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct TransferOptions {
+        /// What components of the target do that no part of the source matches, such as eyes and teeth.
+        pub unmatched: Unmatched = Unmatched::Follow,
+        /// How much each triangle of the target counts.
+        pub weighting: Weighting = Weighting::Area,
+        /// The length below which gradients rule and beyond it displacements: lower suits shapes that are much
+        /// alike, inf is gradients alone.
+        pub anchor: f64 = 1.0 => above(0.0) at_most(f64::INFINITY) unit("of the target's diagonal"),
+        /// Where surfaces come together on the source, as lids do in a blink, they do so on the target, and slide
+        /// around closed convex parts, as eyes are.
+        pub contact: bool = false,
     }
 }
 
@@ -120,10 +118,7 @@ impl Transfer {
         job: &Job,
     ) -> Result<Self> {
         job.report(0.0, "prepare");
-        if options.anchor.is_nan() || options.anchor <= 0.0 {
-            let problem = format!("must be a positive number, got {}", options.anchor);
-            return Err(Error::InvalidValue(Fault::new("anchor", problem)));
-        }
+        options.check()?;
         let used = matches.in_use(&source, &target)?;
         let chooser = Chooser::new(&source, &target, &used.pairs, &used.images)?;
         job.check()?;

@@ -30,6 +30,7 @@ use crate::geometry::surface::{Hit, Surface};
 use crate::geometry::triangle::{normal_and_area, vertex_normals};
 use crate::operators::gradient::triangle_gradient;
 use crate::operators::mass::lumped_mass;
+use crate::options::{OptionSet, options};
 use crate::{Error, Fault, Job, Mesh, Result, Vec3};
 
 /// The target's diagonal in the units that the weights are meant for; here it is 1.
@@ -50,79 +51,36 @@ pub const STRETCHED: f64 = 3.0;
 const BATCH: usize = 4096;
 
 /// Most weights, and most rounds at each; far beyond what anything gains from.
-const MOST_ROUNDS: usize = 1000;
+const MOST_ROUNDS: f64 = 1000.0;
 
-/// What the fit may be told.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FitOptions {
-    /// `w_S`, for neighbouring triangles that change alike.
-    pub smoothness: f64,
-    /// `w_I`, for triangles that keep their shape and orientation.
-    pub identity: f64,
-    /// The largest `w_C`, for vertices on the target.
-    pub closest: f64,
-    /// How many weights `w_C` takes from 1 to the largest, evenly in the logarithm; one
-    /// factorization each.
-    pub steps: usize,
-    /// Rounds of closest points at each weight.
-    pub rounds: usize,
-    /// Where the source vertex of each marker belongs, in the target's units; empty: on its target vertex. So a
-    /// marker may lie anywhere on the target, and its target vertex only names it.
-    pub points: Vec<Vec3>,
-    /// Vertices of the source and of the target that match nothing: the inside of a mouth, eye sockets.
-    pub source_mask: Vec<u32>,
-    /// The same on the target.
-    pub target_mask: Vec<u32>,
-    /// How far the centroid of a triangle may be from the other surface to be matched there, as a
-    /// fraction of the target's diagonal.
-    pub match_distance: f64,
-}
-
-impl Default for FitOptions {
-    fn default() -> Self {
-        Self {
-            smoothness: 1.0,
-            identity: 0.001,
-            closest: 5000.0,
-            steps: 6,
-            rounds: 4,
-            points: Vec::new(),
-            source_mask: Vec::new(),
-            target_mask: Vec::new(),
-            match_distance: 0.02,
-        }
+options! {
+    /// What the fit may be told: `w_S`, `w_I` and the largest `w_C`, and how it goes about it.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct FitOptions {
+        /// Where on the target the source vertex of each marker belongs, where that is not at its vertices;
+        /// a marker's target vertex then only names it.
+        pub points: Vec<Vec3> = Vec::new() => unit("the target's units"),
+        /// How much neighbouring triangles must change alike.
+        pub smoothness: f64 = 1.0 => above(0.0),
+        /// How much triangles must keep their shape and orientation.
+        pub identity: f64 = 0.001 => above(0.0),
+        /// How tightly the source is pulled onto the target in the end. Less for a target of quite other
+        /// proportions, such as a cartoon's: 50 or so keeps the source from folding there.
+        pub closest: f64 = 5000.0 => at_least(1.0),
+        /// How many pulls it takes from 1 to the tightest, each of which costs a factorization.
+        pub steps: usize = 6 => at_least(1.0) at_most(MOST_ROUNDS),
+        /// Rounds of closest points at each pull.
+        pub rounds: usize = 4 => at_least(1.0) at_most(MOST_ROUNDS),
+        /// How far the centre of a triangle may be from the other surface to be matched there.
+        pub match_distance: f64 = 0.02 => above(0.0) unit("of the target's diagonal"),
+        /// Vertices of the source that match nothing: the inside of a mouth, eye sockets.
+        pub source_mask: Vec<u32> = Vec::new(),
+        /// Vertices of the target that match nothing.
+        pub target_mask: Vec<u32> = Vec::new(),
     }
 }
 
 impl FitOptions {
-    fn check(&self) -> Result<()> {
-        let positive = [
-            ("smoothness", self.smoothness),
-            ("identity", self.identity),
-            ("closest", self.closest),
-            ("match_distance", self.match_distance),
-        ];
-        for (name, count) in [("steps", self.steps), ("rounds", self.rounds)] {
-            if !(1..=MOST_ROUNDS).contains(&count) {
-                let problem = format!("must be from 1 to {MOST_ROUNDS}, got {count}");
-                return Err(Error::InvalidValue(Fault::new(name, problem)));
-            }
-        }
-        for (name, value) in positive {
-            if !(value.is_finite() && value > 0.0) {
-                let problem = format!("must be a positive number, got {value}");
-                return Err(Error::InvalidValue(Fault::new(name, problem)));
-            }
-        }
-        if self.closest < 1.0 {
-            return Err(Error::InvalidValue(Fault::new(
-                "closest",
-                "must be at least 1, the weight it starts from",
-            )));
-        }
-        Ok(())
-    }
-
     /// `w_C` of each step, without the first, which is 0.
     fn pulls(&self) -> impl Iterator<Item = f64> {
         let last = (self.steps.max(2) - 1) as f64;

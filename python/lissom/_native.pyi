@@ -1,0 +1,150 @@
+"""The Rust part: it checks its arguments and returns jobs. What lissom documents is made of these."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Generic, TypeVar, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+_T = TypeVar("_T")
+_U = TypeVar("_U")
+_Options = Mapping[str, Any]
+
+__version__: str
+
+class Error(Exception):
+    """Everything that lissom raises by itself."""
+
+class InvalidMesh(Error):
+    """The mesh cannot be worked with."""
+
+    argument: str
+    indices: list[int]
+    count: int
+
+class InvalidConstraint(Error):
+    """Handles, markers, targets or a region contradict the mesh or each other."""
+
+    argument: str
+    indices: list[int]
+    count: int
+
+class InvalidValue(Error, ValueError):
+    """An option or a number is out of its range."""
+
+    argument: str
+    indices: list[int]
+    count: int
+
+class OutOfMemory(Error, MemoryError):
+    """It would take more memory (`needed` bytes) than there is (`available`); nothing was allocated."""
+
+    needed: int
+    available: int
+
+class SolveFailed(Error):
+    """The linear algebra gave up, or the result overflowed."""
+
+class Cancelled(Error):
+    """The job was cancelled; nothing has changed."""
+
+class InternalError(Error):
+    """A bug in lissom: please report it with its message."""
+
+@final
+class Job(Generic[_T]):
+    """Work that goes on in the background; dropping it cancels it."""
+
+    @property
+    def progress(self) -> tuple[float, str]:
+        """(fraction in 0-1, name of the stage)."""
+    @property
+    def done(self) -> bool:
+        """Whether `result()` returns at once."""
+    def cancel(self) -> None:
+        """Asks the job to stop; `result()` then raises `lissom.Cancelled` within 0.2 s."""
+    def result(self) -> _T:
+        """Waits for the job and returns its result, or raises its error. Ctrl-C cancels it."""
+    @classmethod
+    def __class_getitem__(cls, _item: Any) -> Any:
+        """`Job[Posed]`, for annotations."""
+    def _then(self, then: Callable[[_T], _U]) -> Job[_U]: ...
+
+@final
+class Mesh:
+    """A triangle mesh, checked once.
+
+    vertices: (n, 3) floats in any units.
+    triangles: (m, 3) integers counted from 0.
+    weld: a distance in the same units; vertices that close together count as one, as at seams or where each
+        triangle has its own. 0.0 joins those in the very same place. Results keep the number and the order
+        of the vertices.
+
+    Raises InvalidMesh for no vertices or faces, values that are not finite, indices out of range and points
+    that are all coincident or on one line; TypeError and ValueError for arrays of another type or shape.
+    """
+
+    def __new__(cls, vertices: ArrayLike, triangles: ArrayLike, *, weld: float | None = None) -> Mesh: ...
+    @property
+    def vertices(self) -> NDArray[np.float64]:
+        """(n, 3): the positions as given."""
+    @property
+    def diagonal(self) -> float:
+        """Length of the diagonal of the bounding box, in the mesh's own units."""
+    @property
+    def components(self) -> int:
+        """Number of connected components."""
+    @property
+    def warnings(self) -> list[str]:
+        """What was mended or is doubtful."""
+
+@final
+class Pose:
+    @property
+    def info(self) -> tuple[int, int, int, float]: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def start_solve(
+        self, transforms: ArrayLike, turns: ArrayLike | None, options: _Options
+    ) -> Job[tuple[Any, ...]]: ...
+    def start_solve_points(self, targets: ArrayLike, options: _Options) -> Job[tuple[Any, ...]]: ...
+
+@final
+class Fit: ...
+
+@final
+class Transfer:
+    @property
+    def warnings(self) -> list[str]: ...
+    def start_apply(self, poses: ArrayLike) -> Job[tuple[Any, ...]]: ...
+    def start_quality(self, poses: ArrayLike, vertices: ArrayLike) -> Job[dict[str, Any]]: ...
+
+@final
+class Inbetween:
+    @property
+    def warnings(self) -> list[str]: ...
+    def start_at(self, times: ArrayLike) -> Job[NDArray[np.float64]]: ...
+    def start_keyframes(
+        self, tolerance: float | None, max_keys: int, count: int | None
+    ) -> Job[dict[str, Any]]: ...
+
+@final
+class Blend:
+    @property
+    def warnings(self) -> list[str]: ...
+    def start_at(self, weights: ArrayLike) -> Job[NDArray[np.float64]]: ...
+
+def options() -> list[dict[str, Any]]: ...
+def start_pose(
+    mesh: Mesh,
+    handles: Sequence[ArrayLike],
+    roi: ArrayLike | None,
+    method: str,
+    handle_weights: Sequence[ArrayLike | None] | None,
+    options: _Options,
+) -> Job[Pose]: ...
+def start_fit(source: Mesh, target: Mesh, markers: ArrayLike, options: _Options) -> Job[tuple[Any, ...]]: ...
+def start_transfer(source: Mesh, target: Mesh, fit: Fit | ArrayLike, options: _Options) -> Job[Transfer]: ...
+def start_inbetween(mesh: Mesh, start: ArrayLike, end: ArrayLike, options: _Options) -> Job[Inbetween]: ...
+def start_blend(mesh: Mesh, start: ArrayLike, shapes: ArrayLike, options: _Options) -> Job[Blend]: ...
+def _panic() -> Any: ...

@@ -1,0 +1,120 @@
+"""Types of the options, for editors and type checkers. Written by tools/options_doc.py."""
+
+from collections.abc import Sequence
+from typing import Literal, TypedDict
+
+from numpy.typing import ArrayLike
+
+from ._native import Mesh
+
+
+class PoseOptions(TypedDict, total=False):
+    """Options of pose, pose.*."""
+
+    constraints: Literal["hard", "soft"]
+    """Whether vertices of a handle go just where it takes them."""
+    weight: float
+    """How strongly soft handles pull: more holds them closer."""
+    weights: Literal["cotangent", "uniform"]
+    """How much each neighbour of a vertex counts."""
+    scale: bool
+    """Let details grow and shrink as they turn: for handles that scale; large turns swell."""
+    frames: Literal["uniform", "principal"]
+    """Along which edges turns are spread."""
+    interpolation: Literal["rotation_vector", "matrix"]
+    """What is spread between the handles."""
+    project: bool
+    """Make every spread matrix a rotation; without, stretches of the handles are spread as well."""
+    k_s: float
+    """Resistance to stretching."""
+    k_b: float
+    """Resistance to bending."""
+    border: int
+    """How smoothly the pose joins the handles and the border of the region: 0 in value, 1 in slope too, 2 in
+    curvature too."""
+    smoothing: float
+    """Bumps narrower than this are details, and follow the base."""
+    details: Literal["gradients", "offsets"]
+    """How details are put back on the posed base."""
+    base: Literal["laplacian", "laplacian_fitted", "rotation_invariant", "thin_shell", "poisson", "arap"]
+    """The method that poses the smooth base, whose options may be given too."""
+    cells: Literal["spokes_and_rims", "spokes"]
+    """The edges around a vertex that are kept rigid together."""
+    rotation_smoothing: float
+    """How much neighbours must turn alike: more spreads a bend over a longer stretch."""
+    smoothness: float
+    """How much curvature counts against lengths: 0.1 takes the spike off a single moved vertex."""
+
+
+class SolveOptions(TypedDict, total=False):
+    """Options of pose.solve."""
+
+    max_iterations: int
+    """Most iterations."""
+    tolerance: float
+    """Stop when an iteration lowers the energy by less than this."""
+    warm_start: bool
+    """Start from the previous pose, where there is one, instead of the linear guess."""
+
+
+class FitOptions(TypedDict, total=False):
+    """Options of fit."""
+
+    smoothness: float
+    """How much neighbouring triangles must change alike."""
+    identity: float
+    """How much triangles must keep their shape and orientation."""
+    closest: float
+    """How tightly the source is pulled onto the target in the end. Less for a target of quite other
+    proportions, such as a cartoon's: 50 or so keeps the source from folding there."""
+    steps: int
+    """How many pulls it takes from 1 to the tightest, each of which costs a factorization."""
+    rounds: int
+    """Rounds of closest points at each pull."""
+    match_distance: float
+    """How far the centre of a triangle may be from the other surface to be matched there."""
+    source_mask: ArrayLike | None
+    """Vertices of the source that match nothing: the inside of a mouth, eye sockets."""
+    target_mask: ArrayLike | None
+    """Vertices of the target that match nothing."""
+
+
+class TransferOptions(TypedDict, total=False):
+    """Options of transfer."""
+
+    unmatched: Literal["follow", "rest"]
+    """What components of the target do that no part of the source matches, such as eyes and teeth."""
+    weighting: Literal["area", "pairs"]
+    """How much each triangle of the target counts."""
+    anchor: float
+    """The length below which gradients rule and beyond it displacements: lower suits shapes that are much
+    alike, inf is gradients alone."""
+    contact: bool
+    """Where surfaces come together on the source, as lids do in a blink, they do so on the target, and slide
+    around closed convex parts, as eyes are."""
+
+
+class PathOptions(TypedDict, total=False):
+    """Options of inbetween."""
+
+    stretch: Literal["linear", "logarithmic"]
+    """How triangles grow and shrink along the path."""
+    refinement: int
+    """Rounds in which turns are fitted to the shapes that came out: lengths along the path get two to four
+    times better in 4 to 16."""
+    through: Sequence[tuple[float, ArrayLike]] | None
+    """Shapes to hit on the way, each (time, positions), in ascending order; speed may change there."""
+    preserve_volume: bool
+    """Closed components keep their volume: it changes in equal steps and none is lost between the ends."""
+    clearance: Mesh | None
+    """A closed mesh in the same units, as an eyeball under a lid, that no vertex enters deeper than at the
+    deeper of its ends."""
+    clearance_end: ArrayLike | None
+    """Where the vertices of that mesh are at the end, if they move."""
+
+
+class BlendOptions(TypedDict, total=False):
+    """Options of blend."""
+
+    refinement: int
+    """Rounds in which turns are fitted to the shape that came out."""

@@ -1,0 +1,233 @@
+"""Carry the shapes of one mesh over to another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from . import _native
+from ._native import Job, Mesh
+from ._report import Report
+
+if TYPE_CHECKING:
+    from typing import Unpack
+
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
+
+    from ._option_types import FitOptions, TransferOptions
+
+
+@dataclass(frozen=True, eq=False)
+class FitReport(Report):
+    """What a fit says about itself. Distances are those of fitted vertices to the target."""
+
+    distance_mean: float
+    """Their mean, in the target's units."""
+    distance_max: float
+    """Their largest, in the target's units."""
+    distance_mean_percent: float
+    """Their mean, in percent of the target's diagonal."""
+    distance_max_percent: float
+    """Their largest, in percent of the target's diagonal."""
+    flipped_triangles: int
+    """Fitted triangles that face against the target where they lie."""
+    stretched_triangles: int
+    """Fitted triangles three times as long as the usual one, or a third as wide."""
+    unmatched_source_triangles: int
+    """Source triangles without a match."""
+    unmatched_target_triangles: int
+    """Target triangles without a match."""
+    unmatched_source_percent: float
+    """Their share of the source's area, in percent."""
+    unmatched_target_percent: float
+    """Their share of the target's area, in percent."""
+    rounds: int
+    """Rounds of closest points done."""
+    seconds: float
+    """Time of the fit."""
+    warnings: list[str]
+    """What is doubtful."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A source pulled onto a target: what belongs together, and how good it is where."""
+
+    pairs: NDArray[np.int64]
+    """(p, 2) of source and target triangle, many to many."""
+    image_triangles: NDArray[np.int64]
+    """(n_target,) the source triangle that each target vertex lies on, -1 where none."""
+    image_weights: NDArray[np.float64]
+    """(n_target, 3) where on it, by barycentric coordinates."""
+    fitted_vertices: NDArray[np.float64]
+    """(n_source, 3) the source's vertices on the target, in the target's units."""
+    distances: NDArray[np.float64]
+    """(n_source,) from the fitted vertices to the target, in its units, NaN where nothing faces them."""
+    image_distances: NDArray[np.float64]
+    """(n_target,) from the target's vertices to their images, in its units, NaN where there is none."""
+    stretch: NDArray[np.float64]
+    """(m_source,) how much longer or narrower than the usual one each fitted triangle is, at least 1."""
+    flipped: NDArray[np.int64]
+    """(f,) the source triangles that face against the target."""
+    report: FitReport
+    """How well it went."""
+    _core: _native.Fit = field(repr=False)
+
+
+def start_fit(
+    source: Mesh,
+    target: Mesh,
+    markers: ArrayLike,
+    points: ArrayLike | None = None,
+    **options: Unpack[FitOptions],
+) -> Job[Fit]:
+    """:func:`fit_correspondence` in the background."""
+    told: dict[str, Any] = {**options, "points": points}
+    return _native.start_fit(source, target, markers, told)._then(_fit)
+
+
+def fit_correspondence(
+    source: Mesh,
+    target: Mesh,
+    markers: ArrayLike,
+    points: ArrayLike | None = None,
+    **options: Unpack[FitOptions],
+) -> Fit:
+    """Pulls ``source`` onto ``target`` and matches their triangles (Sumner & Popović 2004).
+
+    markers: (k, 2), vertex of the source, vertex of the target that belongs to it. Meshes of the same
+        triangles need none: without any, each vertex belongs to its like.
+    points: (k, 3), where on the target the markers' source vertices belong, in its units, where that is not
+        at its vertices.
+    options: those of ``lissom.options("fit")``.
+
+    Raises InvalidConstraint for no markers, indices out of range and vertices marked twice; InvalidValue
+    for an option out of range; SolveFailed; OutOfMemory; Cancelled.
+    """
+    return start_fit(source, target, markers, points, **options).result()
+
+
+@dataclass(frozen=True, eq=False)
+class TransferReport(Report):
+    """How long a transfer took."""
+
+    seconds: float
+    """All of it."""
+    solve_seconds: float
+    """Of these, back-substitution."""
+
+
+@dataclass(frozen=True, eq=False)
+class Transferred:
+    """Shapes carried over."""
+
+    vertices: NDArray[np.float64]
+    """(k, n_target, 3) in the target's units."""
+    report: TransferReport
+    """How long it took."""
+
+
+@dataclass(frozen=True, eq=False)
+class Quality(Report):
+    """What there is to say about each of k shapes that were carried over; 0 where a pose is the rest."""
+
+    residual: NDArray[np.float64]
+    """(k,) how far from the gradients asked for the result is, relative to them."""
+    flipped_triangles: NDArray[np.int64]
+    """(k,) target triangles that face against theirs."""
+    contacts: NDArray[np.int64]
+    """(k,) target vertices whose images meet another surface."""
+    contact_gap: NDArray[np.float64]
+    """(k,) how much wider than on the source their mean distance is, in percent of the target's diagonal."""
+    round_trip: NDArray[np.float64]
+    """(k,) root mean square error of carrying the shape back, relative to the displacement of the pose."""
+    motion: NDArray[np.float64]
+    """(k,) largest displacement, in percent of the target's diagonal."""
+
+
+class Transfer:
+    """A prepared transfer from one mesh to another; factored once, for any number of shapes.
+
+    Transfer(source, target, fit, **options)
+
+    source, target: Meshes.
+    fit: a Fit, or (p, 2) pairs of source and target triangle. A Fit made for meshes of other faces is
+        refused.
+    options: those of ``lissom.options("transfer")``.
+
+    The target's triangles take the gradients of the source's that they are matched with, and are stitched
+    (Sumner & Popović 2004).
+
+    Raises InvalidConstraint for no pairs or indices out of range, InvalidValue for an option out of range,
+    SolveFailed, OutOfMemory, Cancelled.
+    """
+
+    __slots__ = ("_core",)
+    _core: _native.Transfer
+
+    def __init__(
+        self, source: Mesh, target: Mesh, fit: Fit | ArrayLike, **options: Unpack[TransferOptions]
+    ) -> None:
+        self._core = _native.start_transfer(source, target, _matches(fit), options).result()
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is doubtful about the matches."""
+        return self._core.warnings
+
+    def start_apply(self, poses: ArrayLike) -> Job[Transferred]:
+        """:meth:`apply` in the background."""
+        return self._core.start_apply(poses)._then(_transferred)
+
+    def apply(self, poses: ArrayLike) -> Transferred:
+        """Carries poses (k, n_source, 3), in the source's units, over.
+
+        Raises InvalidValue for values that are not finite, SolveFailed on overflow, OutOfMemory, Cancelled.
+        """
+        return self.start_apply(poses).result()
+
+    def start_quality(self, poses: ArrayLike, vertices: ArrayLike) -> Job[Quality]:
+        """:meth:`quality` in the background."""
+        return self._core.start_quality(poses, vertices)._then(_quality)
+
+    def quality(self, poses: ArrayLike, vertices: ArrayLike) -> Quality:
+        """What there is to say about ``vertices`` (k, n_target, 3), which `apply` has made of ``poses`` (k,
+        n_source, 3).
+
+        Raises InvalidValue for values that are not finite or another number of poses, SolveFailed, Cancelled.
+        """
+        return self.start_quality(poses, vertices).result()
+
+    start = start_apply
+
+
+def start_transfer(
+    source: Mesh, target: Mesh, fit: Fit | ArrayLike, **options: Unpack[TransferOptions]
+) -> Job[Transfer]:
+    """:class:`Transfer` in the background."""
+    return _native.start_transfer(source, target, _matches(fit), options)._then(_transfer)
+
+
+def _matches(fit: Fit | ArrayLike) -> _native.Fit | ArrayLike:
+    return fit._core if isinstance(fit, Fit) else fit
+
+
+def _transfer(native: _native.Transfer) -> Transfer:
+    transfer = Transfer.__new__(Transfer)
+    transfer._core = native
+    return transfer
+
+
+def _fit(result: tuple[Any, ...]) -> Fit:
+    native, arrays, report = result
+    return Fit(**arrays, report=FitReport(**report), _core=native)
+
+
+def _transferred(result: tuple[Any, ...]) -> Transferred:
+    vertices, *seconds = result
+    return Transferred(vertices, TransferReport(*seconds))
+
+
+def _quality(result: dict[str, Any]) -> Quality:
+    return Quality(**result)
