@@ -36,7 +36,7 @@ class PoseOptions(TypedDict, total=False):
     """Bumps narrower than this are details, and follow the base."""
     details: Literal["gradients", "offsets"]
     """How details are put back on the posed base."""
-    base: Literal["laplacian", "laplacian_fitted", "rotation_invariant", "thin_shell", "poisson", "arap"]
+    base: Literal["laplacian", "laplacian_fitted", "rotation_invariant", "thin_shell", "poisson", "arap", "laplacian_rotated"]
     """The method that poses the smooth base, whose options may be given too."""
     cells: Literal["spokes_and_rims", "spokes"]
     """The edges around a vertex that are kept rigid together."""
@@ -44,6 +44,8 @@ class PoseOptions(TypedDict, total=False):
     """How much neighbours must turn alike: more spreads a bend over a longer stretch."""
     smoothness: float
     """How much curvature counts against lengths: 0.1 takes the spike off a single moved vertex."""
+    estimate: float
+    """Bumps narrower than this turn as the surface around them does."""
 
 
 class SolveOptions(TypedDict, total=False):

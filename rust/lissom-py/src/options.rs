@@ -98,7 +98,7 @@ fn value(spec: &Spec, given: &Bound<'_, PyAny>) -> PyResult<Option<Value>> {
         Kind::Bool => Value::Bool(given.extract().map_err(|_| wrong(name, given, "True or False"))?),
         Kind::Int => Value::Int(number(name, given, "a whole number")?),
         Kind::Float => Value::Float(float(name, given)?),
-        Kind::Choice => Value::Choice(given.extract().map_err(|_| wrong(name, given, "a name"))?),
+        Kind::Choice => Value::Choice(text(name, given)?),
         _ if given.is_none() => return Ok(None),
         Kind::Vertices => Value::Vertices(arrays::vertex_list(name, given)?),
         Kind::Points => Value::Points(arrays::points(name, given)?),
@@ -125,6 +125,11 @@ where
         true => errors::to_python(Error::InvalidValue(Fault::new(name, "is too large a number"))),
         false => wrong(name, given, expected),
     })
+}
+
+/// A name.
+pub fn text(name: &str, given: &Bound<'_, PyAny>) -> PyResult<String> {
+    given.extract().map_err(|_| wrong(name, given, "a name"))
 }
 
 /// A number.

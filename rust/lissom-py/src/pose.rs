@@ -28,7 +28,7 @@ pub fn start_pose(
     mesh: &Bound<'_, PyMesh>,
     handles: &Bound<'_, PyAny>,
     roi: Option<&Bound<'_, PyAny>>,
-    method: &str,
+    method: &Bound<'_, PyAny>,
     handle_weights: Option<&Bound<'_, PyAny>>,
     options: &Bound<'_, PyDict>,
 ) -> PyResult<PyJob> {
@@ -42,6 +42,7 @@ pub fn start_pose(
         }
     }
     let roi = roi.map(|roi| arrays::vertex_list("roi", roi)).transpose()?;
+    let method = &options::text("method", method)?;
     let mut bound = MethodOptions::named(method).map_err(errors::to_python)?;
     let mut common = CommonOptions::default();
     options::read(method, options, &mut [&mut bound, &mut common])?;

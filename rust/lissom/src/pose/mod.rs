@@ -9,6 +9,7 @@
 //! |---|---|
 //! | [`laplacian`] | the rest pose's Laplacian coordinates, as they are |
 //! | [`laplacian_fitted`] | the same, turned and scaled for each vertex as its neighbours move |
+//! | [`laplacian_rotated`] | the same, turned as a first pose by [`laplacian`] says |
 //! | [`rotation_invariant`] | frames that differ from their neighbours' as they did at rest |
 //! | [`thin_shell`] | no detail: the displacement stretches and bends least |
 //! | [`poisson`] | the handles' rotations and stretches, blended by smooth weights |
@@ -21,6 +22,7 @@ mod field;
 mod goal;
 pub mod laplacian;
 pub mod laplacian_fitted;
+pub mod laplacian_rotated;
 mod method;
 pub mod multiresolution;
 pub mod poisson;

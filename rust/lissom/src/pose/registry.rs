@@ -58,6 +58,7 @@ methods! {
     poisson: Poisson, "Blends the handles' transforms by smooth weights; fast";
     multiresolution: Multiresolution, "Poses a smooth base, then puts the details back on it";
     arap: Arap, "Keeps every small piece of the mesh rigid; for large turns and bends";
+    laplacian_rotated: LaplacianRotated, "Turns the details as a first pose without turns says; fast, for medium turns";
 }
 
 impl Default for MethodOptions {

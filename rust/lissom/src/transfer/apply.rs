@@ -19,9 +19,10 @@ use super::choose::{Chooser, SourceKey};
 use super::contact::{self, Contact};
 use super::correspondence::Correspondence;
 use super::obstacle::{Least, Obstacles};
+use super::options::{TransferOptions, Unmatched, Weighting};
 use super::place::Placer;
 use crate::linear::{ConstrainedSystem, Constraints, REGULARIZED};
-use crate::options::{OptionSet, choices, options};
+use crate::options::OptionSet;
 use crate::stitch::{Owners, Reference, Stitcher, Weights};
 use crate::{Error, Fault, Job, Mesh, Result, Vec3, memory};
 
@@ -30,43 +31,6 @@ const KEYS_AT_ONCE: usize = 8;
 
 /// Triangles below this fraction of the mean area count as having it, where weights are per pair.
 const LEAST_AREA: f64 = 1e-3;
-
-choices! {
-    /// What a component of the target does that no source triangle is matched with.
-    pub enum Unmatched {
-        /// It follows the nearest matched surface of the target, rigidly.
-        Follow = "follow",
-        /// It stays at rest.
-        Rest = "rest",
-    }
-}
-
-choices! {
-    /// How much each target triangle counts.
-    pub enum Weighting {
-        /// By its area, so that the result does not depend on how finely either mesh is cut.
-        Area = "area",
-        /// By its number of matches, as in the paper.
-        Pairs = "pairs",
-    }
-}
-
-options! {
-    /// What a transfer may be told ([`super::anchor`], [`super::contact`]).
-    #[derive(Debug, Clone, Copy, PartialEq)]
-    pub struct TransferOptions {
-        /// What components of the target do that no part of the source matches, such as eyes and teeth.
-        pub unmatched: Unmatched = Unmatched::Follow,
-        /// How much each triangle of the target counts.
-        pub weighting: Weighting = Weighting::Area,
-        /// The length below which gradients rule and beyond it displacements: lower suits shapes that are much
-        /// alike, inf is gradients alone.
-        pub anchor: f64 = 1.0 => above(0.0) at_most(f64::INFINITY) unit("of the target's diagonal"),
-        /// Where surfaces come together on the source, as lids do in a blink, they do so on the target, and slide
-        /// around closed convex parts, as eyes are.
-        pub contact: bool = false,
-    }
-}
 
 /// How often what is missing to stay out of solids is asked for.
 const ASKED: usize = 10;

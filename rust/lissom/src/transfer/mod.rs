@@ -34,14 +34,16 @@ mod image;
 mod markers;
 mod matching;
 mod obstacle;
+mod options;
 mod partners;
 mod place;
 pub mod quality;
 #[cfg(test)]
 mod testing;
 
-pub use apply::{Transfer, TransferOptions, Transferred, Unmatched, Weighting};
+pub use apply::{Transfer, Transferred};
 pub use correspondence::Correspondence;
 pub use fit::{Fit, FitOptions, FitReport, fit_correspondence};
 pub use image::Image;
+pub use options::{TransferOptions, Unmatched, Weighting};
 pub use quality::KeyQuality;

@@ -9,8 +9,8 @@
 //! * A component without any match follows the nearest matched surface rigidly, or stays.
 
 use super::anchor::Anchors;
-use super::apply::Unmatched;
 use super::choose::{Chooser, SourceKey};
+use super::options::Unmatched;
 use crate::geometry::rigid::{self, Alignment};
 use crate::geometry::rows::Rows;
 use crate::geometry::surface::Surface;

@@ -1,0 +1,40 @@
+//! What a transfer may be told.
+
+use crate::options::{choices, options};
+
+choices! {
+    /// What a component of the target does that no source triangle is matched with.
+    pub enum Unmatched {
+        /// It follows the nearest matched surface of the target, rigidly.
+        Follow = "follow",
+        /// It stays at rest.
+        Rest = "rest",
+    }
+}
+
+choices! {
+    /// How much each target triangle counts.
+    pub enum Weighting {
+        /// By its area, so that the result does not depend on how finely either mesh is cut.
+        Area = "area",
+        /// By its number of matches, as in the paper.
+        Pairs = "pairs",
+    }
+}
+
+options! {
+    /// What a transfer may be told ([`super::anchor`], [`super::contact`]).
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct TransferOptions {
+        /// What components of the target do that no part of the source matches, such as eyes and teeth.
+        pub unmatched: Unmatched = Unmatched::Follow,
+        /// How much each triangle of the target counts.
+        pub weighting: Weighting = Weighting::Area,
+        /// The length below which gradients rule and beyond it displacements: lower suits shapes that are much
+        /// alike, inf is gradients alone.
+        pub anchor: f64 = 1.0 => above(0.0) at_most(f64::INFINITY) unit("of the target's diagonal"),
+        /// Where surfaces come together on the source, as lids do in a blink, they do so on the target, and slide
+        /// around closed convex parts, as eyes are.
+        pub contact: bool = false,
+    }
+}
