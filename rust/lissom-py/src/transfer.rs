@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use lissom::transfer::{
-    Correspondence, Fit, FitOptions, Image, KeyQuality, Transfer, TransferOptions, Transferred,
+    Correspondence, Fit, FitOptions, KeyQuality, SurfacePoint, Transfer, TransferOptions, Transferred,
     fit_correspondence,
 };
 use lissom::{Error, Fault, Mesh, Vec3};
@@ -42,7 +42,7 @@ pub fn start_fit(
 
 fn fitted(py: Python<'_>, fit: Fit, meshes: [Arc<Mesh>; 2]) -> PyResult<Py<PyAny>> {
     let images = &fit.matches.images;
-    let triangle = |image: &Option<Image>| image.map_or(-1, |image| i64::from(image.triangle));
+    let triangle = |image: &Option<SurfacePoint>| image.map_or(-1, |image| i64::from(image.triangle));
     let weights: Vec<Vec3> = images.iter().map(|i| i.map_or(Vec3::ZERO, |i| i.weights)).collect();
     let arrays = PyDict::new(py);
     arrays.set_item("pairs", arrays::from_pairs(py, &fit.matches.pairs)?)?;

@@ -41,10 +41,10 @@
 //!
 //! # Modules
 //!
-//! [`mesh`] (validated once) feeds [`operators`]; [`linear`] holds constraints and the
-//! factorization; [`stitch`] joins the two; [`pose`], [`transfer`] and [`inbetween`] choose.
-//! [`rotation`] is the algebra of 3 x 3 matrices, [`job`] progress and cancellation, [`memory`] refuses what
-//! does not fit.
+//! From the ground up: [`matrix`] and [`rotation`] are the algebra of 3 x 3 matrices, [`geometry`] what is true of
+//! points and triangles, whatever mesh they belong to. [`mesh`] (validated once) feeds [`operators`]; [`linear`] holds
+//! constraints and the factorization; [`stitch`] joins the two; [`pose`], [`transfer`] and [`inbetween`] choose, by
+//! their [`options`]. [`job`] is progress and cancellation, [`memory`] refuses what does not fit.
 
 #![forbid(unsafe_code)]
 
@@ -53,6 +53,7 @@ pub mod geometry;
 pub mod inbetween;
 pub mod job;
 pub mod linear;
+pub mod matrix;
 pub mod memory;
 pub mod mesh;
 pub mod operators;

@@ -11,7 +11,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::geometry::matrix::norm_squared;
+use crate::matrix::norm_squared;
 use crate::{Mat3, Vec3};
 
 /// Smallest `(s1 + s2) (s1 + s3) (s2 + s3) / |M|^3` for which the derivative of the root is used; its largest
@@ -152,7 +152,7 @@ pub fn nearest_branch(omega: Vec3, reference: Vec3) -> Vec3 {
 
 /// Puts rotation vectors of angles up to pi on branches that agree with each other, in place.
 ///
-/// Two rotations by 179 and 181 degrees are 2 degrees apart, their vectors 358. Each is lifted to the
+/// Two rotations by 179 and 181 degrees are 2 degrees apart, their vectors 358. Each is taken on the
 /// branch nearest to the one before it on the minimum spanning tree of relative angles (Prim 1957), which
 /// grows from the identity where something is `anchored` to it, else from the least rotation.
 pub fn agree(vectors: &mut [Vec3], anchored: bool) {
@@ -164,10 +164,10 @@ pub fn agree(vectors: &mut [Vec3], anchored: bool) {
     while let Some(place) = (0..left.len()).max_by(|&a, &b| near[left[a]].0.total_cmp(&near[left[b]].0)) {
         let next = left.swap_remove(place);
         if let Some(reference) = near[next].1 {
-            let lifted = nearest_branch(vectors[next], reference);
+            let nearest = nearest_branch(vectors[next], reference);
             // Half a turn from its reference it may be either, and stays what it is.
-            if lifted.distance(reference) < vectors[next].distance(reference) - 1e-9 {
-                vectors[next] = lifted;
+            if nearest.distance(reference) < vectors[next].distance(reference) - 1e-9 {
+                vectors[next] = nearest;
             }
         }
         for &other in &left {
@@ -264,19 +264,19 @@ mod tests {
 
     #[test]
     fn rotations_that_are_near_get_vectors_that_are_near() {
-        let lifted = |degrees: &[f64], anchored: bool| -> Vec<f64> {
+        let found = |degrees: &[f64], anchored: bool| -> Vec<f64> {
             let own = degrees.iter().map(|d| log(exp(Vec3::Z * d.to_radians())));
             let mut vectors: Vec<Vec3> = own.collect();
             agree(&mut vectors, anchored);
             vectors.iter().map(|v| v.z.to_degrees().round()).collect()
         };
-        assert_eq!(lifted(&[181.0, 170.0, 189.0], true), [181.0, 170.0, 189.0]);
-        assert_eq!(lifted(&[0.0, 220.0, 110.0, 350.0], true), [0.0, 220.0, 110.0, -10.0]);
+        assert_eq!(found(&[181.0, 170.0, 189.0], true), [181.0, 170.0, 189.0]);
+        assert_eq!(found(&[0.0, 220.0, 110.0, 350.0], true), [0.0, 220.0, 110.0, -10.0]);
         // What is at rest decides whether 260 degrees are 260 or -100.
-        assert_eq!(lifted(&[90.0, 260.0], false), [90.0, 260.0]);
-        assert_eq!(lifted(&[90.0, 260.0], true), [90.0, -100.0]);
-        assert_eq!(lifted(&[0.0, 180.0], false), [0.0, 180.0]);
-        assert_eq!(lifted(&[], true), [0.0; 0]);
+        assert_eq!(found(&[90.0, 260.0], false), [90.0, 260.0]);
+        assert_eq!(found(&[90.0, 260.0], true), [90.0, -100.0]);
+        assert_eq!(found(&[0.0, 180.0], false), [0.0, 180.0]);
+        assert_eq!(found(&[], true), [0.0; 0]);
     }
 
     #[test]
@@ -284,8 +284,8 @@ mod tests {
         let axis = Vec3::new(1.0, 2.0, -2.0) / 3.0;
         for turns in -3..=3 {
             let true_angle = 1.1 + TAU * f64::from(turns);
-            let lifted = nearest_branch(log(exp(axis * true_angle)), axis * (true_angle + 0.4));
-            assert!((lifted - axis * true_angle).length() < 1e-9);
+            let found = nearest_branch(log(exp(axis * true_angle)), axis * (true_angle + 0.4));
+            assert!((found - axis * true_angle).length() < 1e-9);
         }
         let whole = nearest_branch(Vec3::ZERO, axis * (TAU + 0.1));
         assert!((whole - axis * TAU).length() < 1e-12);

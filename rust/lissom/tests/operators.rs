@@ -3,7 +3,7 @@
 mod common;
 
 use common::{numbers, sheet};
-use lissom::geometry::matrix::outer;
+use lissom::matrix::outer;
 use lissom::operators::cotangent::cotangent_laplacian;
 use lissom::operators::divergence::divergence;
 use lissom::operators::gradient::deformation_gradients;

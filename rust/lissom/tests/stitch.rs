@@ -5,10 +5,10 @@ mod common;
 use std::sync::Arc;
 
 use common::{numbers, sheet};
-use lissom::geometry::matrix::dot;
 use lissom::linear::Constraints;
+use lissom::matrix::dot;
 use lissom::operators::gradient::deformation_gradients;
-use lissom::stitch::{Hats, Owners, Reference, Stitcher, Weights, edge_weights};
+use lissom::stitch::{HatGradients, Owners, Reference, Stitcher, Weights, edge_weights};
 use lissom::{Job, Mat3, Mesh, Vec3, rotation};
 
 fn pin(mesh: &Mesh, pinned: &[usize]) -> Constraints {
@@ -155,7 +155,7 @@ fn covariances_are_the_adjoint_of_the_divergence() {
     let mut next = numbers(4);
     let mut vector = || Vec3::new(next(), next(), next());
     let x: Vec<Vec3> = (0..n).map(|_| vector()).collect();
-    let own: Vec<Hats> = (0..m)
+    let own: Vec<HatGradients> = (0..m)
         .map(|_| {
             let (a, b) = (vector(), vector());
             [a, b, -a - b]

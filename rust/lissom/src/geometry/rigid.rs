@@ -3,12 +3,12 @@
 //! With the points about their centroids, `K = sum q p^T`, the rotation is the one nearest to `K` (Kabsch 1976)
 //! and the scale `tr(R^T K) / sum |p|^2` (Umeyama 1991).
 
-use super::matrix::{outer, trace};
+use crate::matrix::{outer, trace};
 use crate::{Mat3, Vec3, rotation};
 
-/// Points count as spread in a plane when the second singular value of their covariance exceeds this
+/// Points span a plane when the second singular value of their covariance exceeds this
 /// fraction of the first.
-const SPREAD: f64 = 1e-6;
+const SPANNED: f64 = 1e-6;
 
 /// Ratios of sizes beyond this factor, either way, are those of points in one place.
 const MOST_SCALED: f64 = 1e3;
@@ -21,7 +21,7 @@ pub struct Alignment {
     /// `K`.
     covariance: Mat3,
     /// `sum p p^T`.
-    spread: Mat3,
+    scatter: Mat3,
     /// `sum |q|^2`.
     to_squares: f64,
 }
@@ -30,14 +30,14 @@ impl Alignment {
     /// Of pairs `(p, q)`, the first of which is to go to the second.
     pub fn of(pairs: impl Iterator<Item = (Vec3, Vec3)> + Clone) -> Self {
         let (from, to) = (centroid(pairs.clone().map(|(p, _)| p)), centroid(pairs.clone().map(|(_, q)| q)));
-        let (mut covariance, mut spread, mut to_squares) = (Mat3::ZERO, Mat3::ZERO, 0.0);
+        let (mut covariance, mut scatter, mut to_squares) = (Mat3::ZERO, Mat3::ZERO, 0.0);
         for (p, q) in pairs {
             let (p, q) = (p - from, q - to);
             covariance += outer(q, p);
-            spread += outer(p, p);
+            scatter += outer(p, p);
             to_squares += q.length_squared();
         }
-        Self { from, to, covariance, spread, to_squares }
+        Self { from, to, covariance, scatter, to_squares }
     }
 
     /// The best rotation about the centroids.
@@ -47,12 +47,12 @@ impl Alignment {
 
     /// Whether the first points are on no line, so that there is one best rotation.
     pub fn is_determined(&self) -> bool {
-        is_spread(self.spread)
+        spans_a_plane(self.scatter)
     }
 
     /// How much of both sets the rotation accounts for: 1 where they are congruent.
     pub fn correlation(&self) -> f64 {
-        trace(self.rotation().transpose() * self.covariance) / (trace(self.spread) * self.to_squares).sqrt()
+        trace(self.rotation().transpose() * self.covariance) / (trace(self.scatter) * self.to_squares).sqrt()
     }
 
     /// The centroids.
@@ -68,7 +68,7 @@ impl Alignment {
     /// The best rotation, translation and uniform scale; no scale where the points do not tell.
     pub fn similar(&self) -> Similarity {
         let rotation = self.rotation();
-        let scale = trace(rotation.transpose() * self.covariance) / trace(self.spread);
+        let scale = trace(rotation.transpose() * self.covariance) / trace(self.scatter);
         let scale = if scale.is_finite() && scale > 0.0 { scale } else { 1.0 };
         Similarity { linear: rotation * scale, from: self.from, to: self.to }
     }
@@ -117,12 +117,12 @@ pub fn size_ratio(
 }
 
 /// Whether points of this covariance are on no line.
-pub fn is_spread(covariance: Mat3) -> bool {
+pub fn spans_a_plane(covariance: Mat3) -> bool {
     // The sum of the principal 2 x 2 minors of the covariance is s1 s2 + s1 s3 + s2 s3.
     let [x, y, z] = [covariance.x_axis, covariance.y_axis, covariance.z_axis];
     let trace = trace(covariance);
     let second = 0.5 * (trace * trace - x.length_squared() - y.length_squared() - z.length_squared());
-    second > SPREAD * SPREAD * trace * trace
+    second > SPANNED * SPANNED * trace * trace
 }
 
 #[cfg(test)]

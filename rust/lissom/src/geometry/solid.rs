@@ -14,7 +14,7 @@ pub struct Solid(TriMesh);
 
 /// The nearest point of the surface.
 #[derive(Debug, Clone, Copy)]
-pub struct Side {
+pub struct SignedDistance {
     /// The distance to it, negative inside.
     pub signed_distance: f64,
     /// The point, and the triangle that it is on.
@@ -32,11 +32,11 @@ impl Solid {
     }
 
     /// The side of a point that is within `reach` of the surface.
-    pub fn side(&self, point: Vec3, reach: f64) -> Option<Side> {
+    pub fn side(&self, point: Vec3, reach: f64) -> Option<SignedDistance> {
         let (nearest, (triangle, location)) =
             self.0.project_local_point_and_get_location_with_max_dist(point, false, reach)?;
         let distance = nearest.point.distance(point);
-        Some(Side {
+        Some(SignedDistance {
             signed_distance: if nearest.is_inside { -distance } else { distance },
             hit: Hit { triangle: triangle as usize, point: nearest.point, distance },
             weights: weights(location),

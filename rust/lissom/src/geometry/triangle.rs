@@ -68,8 +68,8 @@ fn half_cotangents([a, b, c]: [Vec3; 3]) -> ([f64; 3], bool) {
     let mut l = edges.map(|e| (e / largest).length());
     let longest = l[0].max(l[1]).max(l[2]);
     let least_excess = (l[0] + l[1] + l[2]) - 2.0 * longest;
-    let lift = (MOLLIFY * longest - least_excess).max(0.0);
-    l = l.map(|x| x + lift);
+    let added = (MOLLIFY * longest - least_excess).max(0.0);
+    l = l.map(|x| x + added);
     // Heron's formula in Kahan's order, stable for needles.
     let mut sorted = l;
     sorted.sort_by(|x, y| y.total_cmp(x));
@@ -81,7 +81,7 @@ fn half_cotangents([a, b, c]: [Vec3; 3]) -> ([f64; 3], bool) {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         0.5 * (squares[j] + squares[k] - squares[i]) / area4
     };
-    ([half(0), half(1), half(2)], lift > 0.0)
+    ([half(0), half(1), half(2)], added > 0.0)
 }
 
 #[cfg(test)]

@@ -16,8 +16,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::branches::Turn;
-use super::shapes::{Asked, Shapes};
-use crate::stitch::Hats;
+use super::shapes::{Shapes, Targets};
+use crate::stitch::HatGradients;
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, memory, rotation};
 
 /// Several shapes of a mesh, factored once and combined at any weights.
@@ -98,7 +98,7 @@ impl Blend {
         let turn = |t: usize| rotation::exp(used.iter().map(|&(k, a)| self.turns[k][t] * a).sum());
         let change = |t: usize| turn(t) - Mat3::IDENTITY;
         let changes: Vec<Mat3> = (0..self.turning.len()).into_par_iter().map(change).collect();
-        let hats = |t: usize| -> [Hats; 2] {
+        let hats = |t: usize| -> [HatGradients; 2] {
             let start = self.shapes.hats(0, t);
             let (mut stretched, mut line) = (start, start);
             for &(k, a) in &used {
@@ -117,8 +117,8 @@ impl Blend {
             };
             (0..shapes[0].len()).map(at).collect()
         };
-        let asked = [Asked { hats, changes, line: sum(&self.shapes.unit), drift: Vec::new() }];
-        let y = self.shapes.stitch(&asked, self.refinement, |t| self.turning[t], job)?.remove(0);
+        let targets = [Targets { hats, changes, line: sum(&self.shapes.unit), offsets: Vec::new() }];
+        let y = self.shapes.stitch(&targets, self.refinement, |t| self.turning[t], job)?.remove(0);
         let x: Vec<Vec3> =
             sum(&self.shapes.given).iter().zip(y).map(|(&x, y)| x + y * self.shapes.scale).collect();
         if x.iter().all(|p| p.is_finite()) {

@@ -31,10 +31,10 @@ use std::f64::consts::{PI, TAU};
 
 use rayon::prelude::*;
 
-use super::rotations::Motion;
+use super::rotations::TriangleMotion;
 use crate::geometry::groups::Groups;
-use crate::geometry::matrix::norm_squared;
 use crate::geometry::rows::Rows;
+use crate::matrix::norm_squared;
 use crate::{Job, Mat3, Mesh, Result, Vec3, rotation};
 
 /// `|R - R'|_F^2` of 60 degrees: neighbours that turn apart by less are of one region. Between 45 and
@@ -80,7 +80,7 @@ impl Turn {
     }
 
     /// The way to `r` nearest to this one.
-    fn lift(&self, r: Mat3) -> Self {
+    fn nearest_to(&self, r: Mat3) -> Self {
         let q = glam::DQuat::from_mat3(&r);
         let twist = 2.0 * Vec3::new(q.x, q.y, q.z).dot(self.axis).atan2(q.w);
         let angle = twist + TAU * ((self.angle - twist) / TAU).round();
@@ -93,8 +93,8 @@ impl Turn {
 }
 
 /// Each triangle by the least angle, whatever its neighbours do.
-pub(super) fn shortest(motions: &[Motion]) -> Vec<Turn> {
-    let turn = |m: &Motion| m.rotation().map_or(Turn::NONE, |r| Turn::about(rotation::log(r)));
+pub(super) fn shortest(motions: &[TriangleMotion]) -> Vec<Turn> {
+    let turn = |m: &TriangleMotion| m.rotation().map_or(Turn::NONE, |r| Turn::about(rotation::log(r)));
     motions.par_iter().map(turn).collect()
 }
 
@@ -106,10 +106,10 @@ pub(super) fn shortest(motions: &[Motion]) -> Vec<Turn> {
 /// take their neighbour's. With the turns come the steps of the walk, in order.
 pub(super) fn consistent(
     neighbours: &Neighbours,
-    motions: &[Motion],
+    motions: &[TriangleMotion],
     moved: &[u8],
     job: &Job,
-) -> Result<(Vec<Turn>, Vec<Step>)> {
+) -> Result<(Vec<Turn>, Vec<TreeEdge>)> {
     let mut walk = Walk {
         neighbours,
         motions,
@@ -147,18 +147,18 @@ pub(super) fn consistent(
 /// A walk in progress.
 struct Walk<'a> {
     neighbours: &'a Neighbours,
-    motions: &'a [Motion],
+    motions: &'a [TriangleMotion],
     /// Number of triangles in the region of each triangle.
     sizes: Vec<u32>,
     turns: Vec<Option<Turn>>,
     /// The turn that each triangle gives to those beyond a crease.
     handed_on: Vec<Turn>,
-    steps: Vec<Step>,
+    steps: Vec<TreeEdge>,
 }
 
 /// A step of the walk, to a triangle from one visited before; a root from itself.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Step {
+pub(super) struct TreeEdge {
     pub triangle: u32,
     pub from: u32,
 }
@@ -178,14 +178,14 @@ impl Walk<'_> {
                 Some(turn) if f64::from_bits(weight) < GENTLE => turn,
                 _ => self.handed_on[from],
             };
-            let turn = self.motions[t].rotation().map_or(near, |r| near.lift(r));
+            let turn = self.motions[t].rotation().map_or(near, |r| near.nearest_to(r));
             self.turns[t] = Some(turn);
             let trusted = t == from || self.sizes[t] >= REGION;
             self.handed_on[t] = if trusted { turn } else { self.handed_on[from] };
             let next = self.neighbours.of_triangle(triangle).iter();
             let unseen = next.filter(|(_, s)| self.turns[*s as usize].is_none());
             queue.extend(unseen.map(|&(weight, s)| Reverse((weight, s, triangle))));
-            self.steps.push(Step { triangle, from: from as u32 });
+            self.steps.push(TreeEdge { triangle, from: from as u32 });
             if self.steps.len().is_multiple_of(4096) {
                 job.check()?;
             }
@@ -195,7 +195,7 @@ impl Walk<'_> {
 }
 
 /// Gives shortest turns to patches beyond half a turn whose borders agree better with those.
-fn drop_unpaid(neighbours: &Neighbours, motions: &[Motion], turns: &mut [Turn]) {
+fn drop_unpaid(neighbours: &Neighbours, motions: &[TriangleMotion], turns: &mut [Turn]) {
     let beyond: Vec<bool> = turns.iter().map(|turn| turn.angle.abs() > PI).collect();
     let within = |a: usize, b: usize| beyond[a] && beyond[b];
     for patch in neighbours.patches(|t, s, _| within(t, s)).iter() {
@@ -235,11 +235,11 @@ fn distance(a: Mat3, b: Mat3) -> f64 {
 pub(super) struct Neighbours(Rows<(u64, u32)>);
 
 impl Neighbours {
-    pub fn of(mesh: &Mesh, motions: &[Motion]) -> Self {
+    pub fn of(mesh: &Mesh, motions: &[TriangleMotion]) -> Self {
         Self::joining(&mesh.adjacency().triangle_pairs().collect::<Vec<_>>(), motions)
     }
 
-    fn joining(pairs: &[[u32; 2]], motions: &[Motion]) -> Self {
+    fn joining(pairs: &[[u32; 2]], motions: &[TriangleMotion]) -> Self {
         let joined = pairs.iter().flat_map(|&[a, b]| {
             let weight = match [a, b].map(|t| motions[t as usize].rotation()) {
                 [Some(r), Some(s)] => distance(r, s),
@@ -251,12 +251,12 @@ impl Neighbours {
     }
 
     /// Triangles that fold over more than half of their neighbours, or turn over in a flat sheet.
-    pub fn inverted(&self, motions: &[Motion]) -> impl Iterator<Item = usize> {
+    pub fn inverted(&self, motions: &[TriangleMotion]) -> impl Iterator<Item = usize> {
         let folds = |weight: f64| weight > RIGHT_ANGLE && weight < LAST;
         (0..motions.len()).filter(move |&t| {
             let beside = self.of_triangle(t as u32);
             let folded = beside.iter().filter(|(weight, _)| folds(f64::from_bits(*weight))).count();
-            motions[t] == Motion::Inverted || 2 * folded > beside.len()
+            motions[t] == TriangleMotion::Inverted || 2 * folded > beside.len()
         })
     }
 
@@ -295,11 +295,11 @@ mod tests {
     }
 
     #[test]
-    fn a_lifted_turn_leads_to_the_rotation_and_back() {
+    fn the_nearest_turn_leads_to_the_rotation_and_back() {
         let near = Turn::about(Vec3::new(0.2, -0.1, 1.0).normalize() * 9.0);
         for tilt in [Vec3::ZERO, Vec3::X * 0.1, Vec3::new(-0.5, 0.3, 0.1)] {
             let r = near.at(1.0) * rotation::exp(tilt);
-            let turn = near.lift(r);
+            let turn = near.nearest_to(r);
             assert!(apart(turn.at(1.0), r) < 1e-12 && apart(turn.at(0.0), Mat3::IDENTITY) == 0.0);
             assert!((turn.angle - 9.0).abs() < 0.3 && turn.swing.length() < 0.7, "{turn:?}");
         }
@@ -308,8 +308,8 @@ mod tests {
     #[test]
     fn reversed_in_time_a_turn_is_the_turn_of_the_inverse() {
         let near = Turn::about(Vec3::Y * 7.0);
-        let turn = near.lift(near.at(1.0) * rotation::exp(Vec3::new(0.3, 0.2, -0.4)));
-        let back = Turn::about(-Vec3::Y * 7.0).lift(turn.at(1.0).transpose());
+        let turn = near.nearest_to(near.at(1.0) * rotation::exp(Vec3::new(0.3, 0.2, -0.4)));
+        let back = Turn::about(-Vec3::Y * 7.0).nearest_to(turn.at(1.0).transpose());
         for t in [0.2, 0.5, 0.9] {
             assert!(apart(back.at(1.0 - t), turn.at(t) * turn.at(1.0).transpose()) < 1e-12);
         }
@@ -318,21 +318,21 @@ mod tests {
     #[test]
     fn near_a_whole_turn_the_axis_is_inherited() {
         let near = Turn::about(Vec3::Z * 6.2);
-        let turn = near.lift(rotation::exp(Vec3::X * 0.01));
+        let turn = near.nearest_to(rotation::exp(Vec3::X * 0.01));
         assert!((turn.angle - TAU).abs() < 1e-12 && turn.axis == Vec3::Z);
         assert!((turn.swing - Vec3::X * 0.01).length() < 1e-12);
     }
 
     #[test]
     fn below_half_a_turn_the_shortest_is_taken() {
-        let turn = Turn::about(Vec3::Z * 3.0).lift(rotation::exp(Vec3::X * 0.01));
+        let turn = Turn::about(Vec3::Z * 3.0).nearest_to(rotation::exp(Vec3::X * 0.01));
         assert!((turn.omega() - Vec3::X * 0.01).length() < 1e-12);
     }
 
     /// Turns about z of triangles whose rotations are by `degrees`, the first of them at rest.
     fn walked(degrees: &[f64], pairs: &[[u32; 2]]) -> Vec<f64> {
-        let turn = |d: &f64| Motion::Turns(rotation::exp(Vec3::Z * d.to_radians()));
-        let motions: Vec<Motion> = degrees.iter().map(turn).collect();
+        let turn = |d: &f64| TriangleMotion::Turns(rotation::exp(Vec3::Z * d.to_radians()));
+        let motions: Vec<TriangleMotion> = degrees.iter().map(turn).collect();
         let moved: Vec<u8> = (0..motions.len()).map(|t| if t == 0 { 0 } else { 3 }).collect();
         let neighbours = Neighbours::joining(pairs, &motions);
         let (turns, _) = consistent(&neighbours, &motions, &moved, &Job::default()).unwrap();

@@ -25,12 +25,12 @@ const ROUNDS: usize = 30;
 const NOTHING: f64 = 1e-9;
 
 /// Where the vertices of an obstacle are at a time.
-type Motion = Box<dyn Fn(f64, &Job) -> Result<Vec<Vec3>> + Send + Sync>;
+type Trajectory = Box<dyn Fn(f64, &Job) -> Result<Vec<Vec3>> + Send + Sync>;
 
 /// The obstacle, and how deep each vertex may be in it.
 pub(super) struct Clearance {
     triangles: Vec<[u32; 3]>,
-    at: Motion,
+    at: Trajectory,
     allowed: Vec<f64>,
     offence: f64,
 }
@@ -47,7 +47,7 @@ impl Clearance {
     /// # Errors
     ///
     /// [`Error::InvalidValue`] for an obstacle with a border, and those of `at`.
-    pub fn new(obstacle: &Mesh, at: Motion, ends: [&[Vec3]; 2], scale: f64, job: &Job) -> Result<Self> {
+    pub fn new(obstacle: &Mesh, at: Trajectory, ends: [&[Vec3]; 2], scale: f64, job: &Job) -> Result<Self> {
         let adjacency = obstacle.adjacency();
         let open = adjacency.edges().iter().enumerate();
         let open = open.filter(|(e, _)| adjacency.sides_of(*e).len() < 2).map(|(_, edge)| edge[0] as usize);
@@ -84,7 +84,7 @@ impl Clearance {
         shape: impl Fn(&[Vec3]) -> Vec<Vec3>,
         job: &Job,
     ) -> Result<()> {
-        let still = |v: usize| shapes.still[v];
+        let stationary = |v: usize| shapes.stationary[v];
         let solid = self.solid(t, job)?;
         let mesh = &**shapes.mesh();
         let from = y.to_vec();
@@ -93,7 +93,7 @@ impl Clearance {
             job.check()?;
             let x = shape(y);
             let offending = |v: usize| {
-                if held[v].is_some() || still(v) || mesh.representative(v as u32) != v as u32 {
+                if held[v].is_some() || stationary(v) || mesh.representative(v as u32) != v as u32 {
                     return None;
                 }
                 let (depth, nearest) = solid.depth(x[v])?;
@@ -116,7 +116,8 @@ impl Clearance {
                     touched[c] = true;
                 }
             }
-            let fixed = |v: usize| held[v].is_some() || still(v) || component(v).is_none_or(|c| !touched[c]);
+            let fixed =
+                |v: usize| held[v].is_some() || stationary(v) || component(v).is_none_or(|c| !touched[c]);
             let mut given = [held.iter().map(|d| d.unwrap_or_default()).collect::<Vec<Vec3>>()];
             let constraints = Constraints::hard(y.len(), fixed);
             if !constraints.free().is_empty() {

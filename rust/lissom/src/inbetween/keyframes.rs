@@ -102,7 +102,7 @@ impl Inbetween {
 
     /// The arcs of all vertices that leave the straight line, in the mesh's own units; `tolerance` of the largest arc.
     fn tracks(&self, tolerance: impl Fn(f64) -> f64, job: &Job) -> Result<Vec<Track>> {
-        let n = self.shapes.still.len();
+        let n = self.shapes.stationary.len();
         let mut steps = 1;
         let mut arcs = vec![vec![Vec3::ZERO; n]; 2];
         loop {

@@ -31,25 +31,25 @@
 //! | `stretch` | `S(t)`: in equal steps or by equal factors |
 //! | `shapes` | the shapes, prepared; what their triangles ask for stitched, and rotations refitted to that |
 //! | `path` | `x(t)`: all of these at a time |
-//! | `drift` | where components go that nothing holds |
+//! | `screw` | where components go that nothing holds |
 //! | `volume`, `clearance` | the volume kept, an obstacle respected |
 //! | `keyframes` | the fewest times between which a straight line will do |
 //! | `route` | a path through several shapes |
 //! | `blend` | several shapes at once |
 //!
 //! Vertices in the same place at both ends stay there exactly; a connected component without such
-//! a vertex turns about the axis of its rigid motion (`drift`).
+//! a vertex turns about the axis of its rigid motion (`screw`).
 
 mod blend;
 mod branches;
 mod clearance;
-mod drift;
 mod keyframes;
 mod options;
 mod path;
 mod relative;
 mod rotations;
 mod route;
+mod screw;
 mod shapes;
 mod stretch;
 mod volume;

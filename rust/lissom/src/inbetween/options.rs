@@ -1,4 +1,4 @@
-//! What a path and a blend may be told.
+//! Options of a path and of a blend.
 
 use std::sync::Arc;
 

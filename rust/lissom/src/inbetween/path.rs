@@ -12,14 +12,14 @@ use rayon::prelude::*;
 
 use super::branches::Turn;
 use super::clearance::Clearance;
-use super::drift::Drift;
 use super::options::{InbetweenOptions, Rotation};
 use super::relative::Relative;
-use super::shapes::{Asked, Shapes};
+use super::screw::Screw;
+use super::shapes::{Shapes, Targets};
 use super::stretch::{self, Stretch, shares};
 use super::volume::Volumes;
 use crate::geometry::triangle::normal_and_area;
-use crate::stitch::Hats;
+use crate::stitch::HatGradients;
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, memory};
 
 /// Correlation of the folds at both ends, below the negative of which a component counts as mirrored.
@@ -47,7 +47,7 @@ pub struct Inbetween {
     /// Triangles with a rotation of their own.
     turning: Vec<bool>,
     /// Of each floating component.
-    drifts: Vec<Drift>,
+    screws: Vec<Screw>,
     volumes: Option<Volumes>,
     clearance: Option<Clearance>,
     warnings: Vec<String>,
@@ -103,8 +103,8 @@ impl Inbetween {
         job.check()?;
         let ends: Vec<Mat3> = found.turns.par_iter().map(|turn| turn.at(1.0)).collect();
         let apart = shapes.apart(1);
-        let drifts =
-            shapes.stitcher.floating().iter().map(|vertices| Drift::of(vertices, a, b, apart)).collect();
+        let screws =
+            shapes.stitcher.floating().iter().map(|vertices| Screw::of(vertices, a, b, apart)).collect();
         let relative = match options.rotation {
             Rotation::Relative => Some(Relative::new(&mesh, &ends, found.tree, job)?),
             Rotation::Consistent | Rotation::Shortest => None,
@@ -124,7 +124,7 @@ impl Inbetween {
             relative,
             stretches,
             turning,
-            drifts,
+            screws,
             volumes,
             clearance,
             warnings,
@@ -145,7 +145,8 @@ impl Inbetween {
     pub fn at(&self, times: &[f64], job: &Job) -> Result<Vec<Vec<Vec3>>> {
         Self::check_times(times)?;
         // Once here, and once more for whoever takes them over.
-        let bytes = 2 * size_of::<Vec3>() as u128 * times.len() as u128 * self.shapes.still.len() as u128;
+        let bytes =
+            2 * size_of::<Vec3>() as u128 * times.len() as u128 * self.shapes.stationary.len() as u128;
         memory::check("the in-betweens", bytes)?;
         let mut shapes = Vec::with_capacity(times.len());
         for chunk in times.chunks(TIMES_AT_ONCE) {
@@ -190,16 +191,16 @@ impl Inbetween {
 
     /// `y(t)` in unit coordinates, for a few times at once.
     pub(super) fn arcs(&self, times: &[f64], job: &Job) -> Result<Vec<Vec<Vec3>>> {
-        let mut asked = Vec::with_capacity(times.len());
+        let mut targets = Vec::with_capacity(times.len());
         for &t in times {
             job.check()?;
-            asked.push(self.asked(self.inner_time(t), job)?);
+            targets.push(self.targets(self.inner_time(t), job)?);
         }
-        let mut arcs = self.shapes.stitch(&asked, self.options.refinement, |t| self.turning[t], job)?;
-        for ((&t, asked), y) in times.iter().zip(&asked).zip(&mut arcs) {
+        let mut arcs = self.shapes.stitch(&targets, self.options.refinement, |t| self.turning[t], job)?;
+        for ((&t, targets), y) in times.iter().zip(&targets).zip(&mut arcs) {
             if let Some(volumes) = &self.volumes {
-                volumes.restore(&self.shapes.stitcher, &asked.line, y, self.inner_time(t));
-                self.shapes.centre(&asked.drift, y);
+                volumes.restore(&self.shapes.stitcher, &targets.line, y, self.inner_time(t));
+                self.shapes.centre(&targets.offsets, y);
             }
             if let Some(clearance) = &self.clearance
                 && t > 0.0
@@ -212,7 +213,11 @@ impl Inbetween {
     }
 
     /// What every triangle asks for at time `t`.
-    fn asked(&self, t: f64, job: &Job) -> Result<Asked<impl Fn(usize) -> [Hats; 2] + Sync + Send + '_>> {
+    fn targets(
+        &self,
+        t: f64,
+        job: &Job,
+    ) -> Result<Targets<impl Fn(usize) -> [HatGradients; 2] + Sync + Send + '_>> {
         let changes = match &self.relative {
             Some(relative) => {
                 let mut rotations = relative.at(t, &self.turns, &self.ends, job)?;
@@ -230,8 +235,8 @@ impl Inbetween {
         };
         let line =
             self.shapes.unit[0].iter().zip(&self.shapes.unit[1]).map(|(&p, &q)| p + (q - p) * t).collect();
-        let drift = self.drifts.iter().map(|drift| drift.at(t)).collect();
-        Ok(Asked { hats, changes, line, drift })
+        let offsets = self.screws.iter().map(|screw| screw.at(t)).collect();
+        Ok(Targets { hats, changes, line, offsets })
     }
 }
 

@@ -19,7 +19,7 @@
 
 use rayon::prelude::*;
 
-use super::branches::{Step, Turn};
+use super::branches::{TreeEdge, Turn};
 use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
 use crate::{Job, Mat3, Mesh, Result, Vec3, rotation};
 
@@ -36,7 +36,7 @@ pub(super) struct Relative {
     /// Neighbours, `log(R_i^T R_j)` and the weight.
     pairs: Vec<(u32, u32, Vec3, f64)>,
     /// The spanning tree from its roots on; a root is its own parent.
-    tree: Vec<Step>,
+    tree: Vec<TreeEdge>,
     system: ConstrainedSystem,
 }
 
@@ -46,7 +46,7 @@ impl Relative {
     /// # Errors
     ///
     /// As [`ConstrainedSystem::new`].
-    pub fn new(mesh: &Mesh, ends: &[Mat3], tree: Vec<Step>, job: &Job) -> Result<Self> {
+    pub fn new(mesh: &Mesh, ends: &[Mat3], tree: Vec<TreeEdge>, job: &Job) -> Result<Self> {
         let pairs: Vec<[u32; 2]> = mesh.adjacency().triangle_pairs().collect();
         let pairs: Vec<(u32, u32, Vec3, f64)> = pairs
             .into_par_iter()

@@ -16,11 +16,11 @@ const NO_AREA: f64 = 1e-7;
 
 /// A component is flat where its vertices lie within this fraction of its extent of a plane: what
 /// single precision leaves of a plane.
-const FLAT: f64 = 1e-6;
+const PLANAR: f64 = 1e-6;
 
 /// What a triangle does between the two shapes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Motion {
+pub(super) enum TriangleMotion {
     /// It turns by this rotation, and stretches.
     Turns(Mat3),
     /// It has no area at one end at least.
@@ -29,7 +29,7 @@ pub(super) enum Motion {
     Inverted,
 }
 
-impl Motion {
+impl TriangleMotion {
     pub fn rotation(self) -> Option<Mat3> {
         match self {
             Self::Turns(r) => Some(r),
@@ -39,7 +39,7 @@ impl Motion {
 }
 
 /// The motion of every triangle from `start` to `end`, given in units that share a scale.
-pub(super) fn motions(mesh: &Mesh, start: &[Vec3], end: &[Vec3]) -> Vec<Motion> {
+pub(super) fn motions(mesh: &Mesh, start: &[Vec3], end: &[Vec3]) -> Vec<TriangleMotion> {
     let members = mesh.components().members();
     let sheets = [sheet_normals(mesh, &members, start), sheet_normals(mesh, &members, end)];
     mesh.triangles()
@@ -47,16 +47,16 @@ pub(super) fn motions(mesh: &Mesh, start: &[Vec3], end: &[Vec3]) -> Vec<Motion> 
         .map(|t| {
             let [a, b] = [start, end].map(|x| t.map(|v| x[v as usize]));
             if has_no_area(a) || has_no_area(b) {
-                return Motion::Collapsed;
+                return TriangleMotion::Collapsed;
             }
             let component = mesh.components().of_vertex(t[0] as usize);
             let sheet = component.and_then(|c| Some((sheets[0][c]?, sheets[1][c]?)));
             if let Some((m, n)) = sheet
                 && (normal_and_area(a).0.dot(m) > 0.0) != (normal_and_area(b).0.dot(n) > 0.0)
             {
-                return Motion::Inverted;
+                return TriangleMotion::Inverted;
             }
-            Motion::Turns(rotation::nearest_rotation(triangle_gradient(a, b)))
+            TriangleMotion::Turns(rotation::nearest_rotation(triangle_gradient(a, b)))
         })
         .collect()
 }
@@ -83,7 +83,7 @@ fn sheet_normals(mesh: &Mesh, members: &[Vec<u32>], x: &[Vec3]) -> Vec<Option<Ve
         let heights = points().map(|p| (p - low).dot(normal));
         let (least, most) =
             heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
-        (most - least <= FLAT * (high - low).length()).then_some(normal)
+        (most - least <= PLANAR * (high - low).length()).then_some(normal)
     };
     normals.into_iter().zip(members).map(flat).collect()
 }

@@ -15,15 +15,15 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::branches::{self, Neighbours, Step, Turn};
-use super::rotations::{self, Motion};
+use super::branches::{self, Neighbours, TreeEdge, Turn};
+use super::rotations::{self, TriangleMotion};
 use crate::geometry::frame::UnitFrame;
 use crate::geometry::triangle::TriangleGeometry;
 use crate::linear::{Constraints, REGULARIZED};
 use crate::mesh::validate;
-use crate::operators::hats_of;
+use crate::operators::corner_hat_gradients;
 use crate::rotation::nearest_rotation;
-use crate::stitch::{Chooser, Fit, Hats, Owners, Reference, Stitcher, Stop, Weights};
+use crate::stitch::{Chooser, HatGradients, Iterate, Owners, Reference, Stitcher, Stop, Weights};
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
 
 /// Shapes of one mesh and the stitch between them.
@@ -38,24 +38,24 @@ pub(super) struct Shapes {
     origins: Vec<Vec3>,
     pub scale: f64,
     /// Vertices that are in the same place in all shapes.
-    pub still: Vec<bool>,
-    hats: Vec<Vec<Hats>>,
+    pub stationary: Vec<bool>,
+    hats: Vec<Vec<HatGradients>>,
     /// Slivers.
     pub warnings: Vec<String>,
 }
 
 /// What every triangle does from the first shape to another.
 pub(super) struct Turns {
-    pub motions: Vec<Motion>,
+    pub motions: Vec<TriangleMotion>,
     pub turns: Vec<Turn>,
     /// The walk over the triangles that has chosen them.
-    pub tree: Vec<Step>,
+    pub tree: Vec<TreeEdge>,
     /// Those that turn over, as the input of the mesh counts them.
     pub inverted: Vec<usize>,
 }
 
 /// What one shape to be stitched asks for.
-pub(super) struct Asked<F> {
+pub(super) struct Targets<F> {
     /// The hats of a triangle's stretched edges, and those less the ones on the straight line.
     pub hats: F,
     /// `R_t - I`.
@@ -63,7 +63,7 @@ pub(super) struct Asked<F> {
     /// The straight blend of the shapes, in unit coordinates.
     pub line: Vec<Vec3>,
     /// Of each floating component, where its centroid is off the straight line; none of them where empty.
-    pub drift: Vec<Vec3>,
+    pub offsets: Vec<Vec3>,
 }
 
 impl Shapes {
@@ -97,13 +97,13 @@ impl Shapes {
         }
         let hats = |x: &Vec<Vec3>| {
             let corners = mesh.triangles().par_iter().map(|t| t.map(|v| x[v as usize]));
-            corners.zip(&weights).map(|(corners, w)| hats_of(corners, *w)).collect()
+            corners.zip(&weights).map(|(corners, w)| corner_hat_gradients(corners, *w)).collect()
         };
         let hats = unit.iter().map(hats).collect();
-        let still: Vec<bool> = (0..mesh.rest().len())
+        let stationary: Vec<bool> = (0..mesh.rest().len())
             .map(|v| shapes.iter().all(|(_, shape)| shape[v] == shapes[0].1[v]))
             .collect();
-        let constraints = Constraints::hard(still.len(), |v| still[v]);
+        let constraints = Constraints::hard(stationary.len(), |v| stationary[v]);
         let weights = Weights::Corners(&weights);
         let stitcher = Stitcher::new(mesh, Owners::Triangles, weights, None, constraints, job)?;
         warnings.extend(stitcher.system().factor().is_regularized().then(|| REGULARIZED.into()));
@@ -113,7 +113,7 @@ impl Shapes {
             unit,
             origins: frames.iter().map(|frame| frame.center).collect(),
             scale,
-            still,
+            stationary,
             hats,
             warnings,
         })
@@ -125,7 +125,7 @@ impl Shapes {
     }
 
     /// The hats of a triangle in one of the shapes.
-    pub fn hats(&self, shape: usize, triangle: usize) -> Hats {
+    pub fn hats(&self, shape: usize, triangle: usize) -> HatGradients {
         self.hats[shape][triangle]
     }
 
@@ -134,7 +134,7 @@ impl Shapes {
         (self.origins[shape] - self.origins[0]) / self.scale
     }
 
-    /// How triangles turn from the first shape to another: so that neighbours agree or, where that is not asked for,
+    /// How triangles turn from the first shape to another: so that neighbours agree or, where that is not targets for,
     /// each the short way.
     ///
     /// # Errors
@@ -156,47 +156,47 @@ impl Shapes {
         Ok(Turns { inverted: ids.collect(), motions, turns, tree })
     }
 
-    /// `y` of everything asked for, in unit coordinates, after `rounds` of refitting the rotations where they
+    /// `y` of everything targets for, in unit coordinates, after `rounds` of refitting the rotations where they
     /// `may_turn`.
     ///
     /// # Errors
     ///
     /// [`Error::Cancelled`].
-    pub fn stitch<F: Fn(usize) -> [Hats; 2] + Sync + Send>(
+    pub fn stitch<F: Fn(usize) -> [HatGradients; 2] + Sync + Send>(
         &self,
-        asked: &[Asked<F>],
+        targets: &[Targets<F>],
         rounds: usize,
         may_turn: impl Fn(usize) -> bool + Sync,
         job: &Job,
     ) -> Result<Vec<Vec<Vec3>>> {
-        let mut rhs = Vec::with_capacity(asked.len());
-        for asked in asked {
+        let mut rhs = Vec::with_capacity(targets.len());
+        for targets in targets {
             job.check()?;
-            rhs.push(self.stitcher.divergence(asked.reference(), &asked.changes));
+            rhs.push(self.stitcher.divergence(targets.reference(), &targets.changes));
         }
-        let mut shapes = vec![vec![Vec3::ZERO; self.still.len()]; asked.len()];
+        let mut shapes = vec![vec![Vec3::ZERO; self.stationary.len()]; targets.len()];
         self.stitcher.system().solve(&rhs, &mut shapes);
-        asked.par_iter().zip(&mut shapes).try_for_each(|(asked, y)| {
+        targets.par_iter().zip(&mut shapes).try_for_each(|(targets, y)| {
             if rounds > 0 {
-                let refit = Refit { stitcher: &self.stitcher, asked, may_turn: &may_turn };
+                let refit = Refit { stitcher: &self.stitcher, targets, may_turn: &may_turn };
                 let start = refit.fit(std::mem::take(y), &[]);
                 // The last step is the plain one, which needs no look at where it leads.
                 let stop = Stop { max_iterations: rounds - 1, tolerance: 0.0 };
                 let refined = self.stitcher.refine(&refit, start, stop, |_| job.check())?;
                 *y = self.stitcher.global_step(&refit, &refined.fit);
             }
-            self.centre(&asked.drift, y);
+            self.centre(&targets.offsets, y);
             Ok(())
         })?;
         Ok(shapes)
     }
 
-    /// Moves every floating component so that its centroid is off its straight line by its `drift`, and welded
+    /// Moves every floating component so that its centroid is off its straight line by its offset, and welded
     /// vertices with those that they are welded to.
-    pub fn centre(&self, drift: &[Vec3], y: &mut [Vec3]) {
+    pub fn centre(&self, offsets: &[Vec3], y: &mut [Vec3]) {
         for (k, vertices) in self.stitcher.floating().iter().enumerate() {
             let sum: Vec3 = vertices.iter().map(|&v| y[v as usize]).sum();
-            let off = sum / vertices.len() as f64 - drift.get(k).copied().unwrap_or_default();
+            let off = sum / vertices.len() as f64 - offsets.get(k).copied().unwrap_or_default();
             for &v in vertices {
                 y[v as usize] -= off;
             }
@@ -205,7 +205,7 @@ impl Shapes {
     }
 }
 
-impl<F: Fn(usize) -> [Hats; 2] + Sync> Asked<F> {
+impl<F: Fn(usize) -> [HatGradients; 2] + Sync> Targets<F> {
     fn reference(&self) -> Reference<'_> {
         Reference::Edges { hats: &self.hats, base: &self.line }
     }
@@ -214,23 +214,23 @@ impl<F: Fn(usize) -> [Hats; 2] + Sync> Asked<F> {
 /// Rotations refitted to the stitched shape (Sorkine & Alexa 2007, As-Rigid-As-Possible Surface Modeling).
 struct Refit<'a, F, M> {
     stitcher: &'a Stitcher,
-    asked: &'a Asked<F>,
+    targets: &'a Targets<F>,
     may_turn: &'a M,
 }
 
-impl<F: Fn(usize) -> [Hats; 2] + Sync, M: Fn(usize) -> bool + Sync> Chooser for Refit<'_, F, M> {
-    fn fit(&self, displacements: Vec<Vec3>, _: &[Mat3]) -> Fit {
+impl<F: Fn(usize) -> [HatGradients; 2] + Sync, M: Fn(usize) -> bool + Sync> Chooser for Refit<'_, F, M> {
+    fn fit(&self, displacements: Vec<Vec3>, _: &[Mat3]) -> Iterate {
         let pick = |t: usize, covariance: Mat3| {
             let turns = covariance != Mat3::ZERO && (self.may_turn)(t);
-            if turns { nearest_rotation(covariance) } else { Mat3::IDENTITY + self.asked.changes[t] }
+            if turns { nearest_rotation(covariance) } else { Mat3::IDENTITY + self.targets.changes[t] }
         };
-        let local = self.stitcher.local_step(self.asked.reference(), &displacements, pick);
-        Fit { displacements, changes: local.changes, energy: local.energy, size: local.size }
+        let local = self.stitcher.local_step(self.targets.reference(), &displacements, pick);
+        Iterate { displacements, changes: local.changes, energy: local.energy, size: local.size }
     }
 
-    fn gradient(&self, fit: &Fit) -> Vec<Vec3> {
+    fn gradient(&self, fit: &Iterate) -> Vec<Vec3> {
         // Nothing is pulled here, only held.
-        self.stitcher.gradient(self.asked.reference(), &fit.changes, &fit.displacements, &[])
+        self.stitcher.gradient(self.targets.reference(), &fit.changes, &fit.displacements, &[])
     }
 }
 
@@ -248,7 +248,7 @@ fn shape_frame(argument: &str, mesh: &Mesh, shape: &[Vec3]) -> Result<UnitFrame>
     let whole = || -> Result<UnitFrame> {
         let frame = UnitFrame::of(shape, mesh.triangles())?;
         let unit: Vec<Vec3> = shape.iter().map(|&p| frame.to_unit(p)).collect();
-        validate::spread(&unit, mesh.triangles())?;
+        validate::refuse_collinear(&unit, mesh.triangles())?;
         Ok(frame)
     };
     whole().map_err(|error| error.renamed(argument))

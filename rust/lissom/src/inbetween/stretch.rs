@@ -14,9 +14,9 @@
 
 use rayon::prelude::*;
 
-use super::rotations::Motion;
-use crate::geometry::matrix::trace;
+use super::rotations::TriangleMotion;
 use crate::geometry::triangle::normal_and_area;
+use crate::matrix::trace;
 use crate::operators::gradient::triangle_gradient;
 use crate::options::choices;
 use crate::{Mesh, Vec3};
@@ -35,7 +35,12 @@ choices! {
 }
 
 /// The two stretches of each triangle; `None` where it has none that are positive.
-pub(super) fn stretches(mesh: &Mesh, motions: &[Motion], a: &[Vec3], b: &[Vec3]) -> Vec<Option<[f64; 2]>> {
+pub(super) fn stretches(
+    mesh: &Mesh,
+    motions: &[TriangleMotion],
+    a: &[Vec3],
+    b: &[Vec3],
+) -> Vec<Option<[f64; 2]>> {
     let triangles = mesh.triangles().par_iter().zip(motions);
     triangles
         .map(|(t, motion)| {

@@ -84,7 +84,7 @@ impl Volumes {
         let mesh = &**stitcher.mesh();
         let at = |y: &[Vec3]| -> Vec<Vec3> { line.iter().zip(y).map(|(&l, &y)| l + y).collect() };
         let mut x = at(y);
-        let towards = stitcher.lift(&self.gradient(mesh, &x));
+        let towards = stitcher.precondition(&self.gradient(mesh, &x));
         for _ in 0..STEPS {
             let (volumes, slopes) = (self.volumes(mesh, &x), self.gradient(mesh, &x));
             let mut slope = vec![0.0; volumes.len()];

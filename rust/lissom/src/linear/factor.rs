@@ -110,12 +110,12 @@ impl Symbolic {
         if let Some(values) = self.attempt(matrix)? {
             return Ok(Factor { symbolic: self.clone(), values, regularized: false });
         }
-        let mut lifted = matrix.clone();
+        let mut regularized = matrix.clone();
         let least = matrix.largest() * f64::EPSILON;
         for row in 0..matrix.size() {
-            lifted.add_to_diagonal(row, REGULARIZATION * matrix.diagonal(row).max(least));
+            regularized.add_to_diagonal(row, REGULARIZATION * matrix.diagonal(row).max(least));
         }
-        match self.attempt(&lifted)? {
+        match self.attempt(&regularized)? {
             Some(values) => Ok(Factor { symbolic: self.clone(), values, regularized: true }),
             None => Err(Error::SolveFailed(format!(
                 "the system of {} unknowns is not positive definite: too few constraints?",

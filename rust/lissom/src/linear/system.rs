@@ -104,10 +104,11 @@ impl ConstrainedSystem {
         });
     }
 
-    /// Spreads what given vertices hold, in place, for any number of sets: the solution without right-hand side.
+    /// Harmonic extension of what given vertices hold, in place, for any number of sets: the solution without
+    /// right-hand side.
     /// Constants come out exactly, however badly the system is conditioned: the unknown is the difference to the
     /// first given value.
-    pub fn spread(&self, fields: &mut [Vec<Vec3>]) {
+    pub fn extend(&self, fields: &mut [Vec<Vec3>]) {
         let given = (0..self.constraints.vertex_count()).find(|&v| self.constraints.slot(v as u32).is_none());
         let pulled = self.constraints.soft().first().map(|&(v, _)| v as usize);
         let Some(first) = given.or(pulled) else { return };

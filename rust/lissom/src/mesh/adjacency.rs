@@ -17,12 +17,12 @@ pub struct Adjacency {
     corners: Rows<Corner>,
     edges: Vec<[u32; 2]>,
     side_start: Vec<u32>,
-    sides: Vec<Side>,
+    sides: Vec<HalfEdge>,
 }
 
 /// A triangle beside an edge, and whether it runs along it from the lower to the higher vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Side {
+pub struct HalfEdge {
     /// The triangle.
     pub triangle: u32,
     /// Whether the triangle passes the edge from its lower to its higher vertex.
@@ -38,8 +38,9 @@ impl Adjacency {
 
         // Half edges by their lower vertex, then those of each by the higher.
         let half_edges = (0u32..).zip(triangles).flat_map(|(t, &[a, b, c])| {
-            [(a, b), (b, c), (c, a)]
-                .map(|(from, to)| (from.min(to), (from.max(to), Side { triangle: t, ascending: from < to })))
+            [(a, b), (b, c), (c, a)].map(|(from, to)| {
+                (from.min(to), (from.max(to), HalfEdge { triangle: t, ascending: from < to }))
+            })
         });
         let mut sorted = Rows::sort(vertices, half_edges);
         let (mut edges, mut side_start, mut sides) = (Vec::new(), Vec::new(), Vec::new());
@@ -73,7 +74,7 @@ impl Adjacency {
     }
 
     /// The triangles beside an edge: one at a border, two inside, more where the mesh is not manifold.
-    pub fn sides_of(&self, edge: usize) -> &[Side] {
+    pub fn sides_of(&self, edge: usize) -> &[HalfEdge] {
         &self.sides[self.side_start[edge] as usize..self.side_start[edge + 1] as usize]
     }
 

@@ -7,7 +7,7 @@ pub(crate) mod validate;
 mod weld;
 
 pub use crate::geometry::frame::UnitFrame;
-pub use adjacency::{Adjacency, Corner, Side};
+pub use adjacency::{Adjacency, Corner, HalfEdge};
 pub use components::Components;
 
 use crate::geometry::triangle::TriangleGeometry;
@@ -63,7 +63,7 @@ impl Mesh {
         let (triangles, triangle_ids) = validate::drop_repeating(triangles, &mut warnings)?;
         let frame = UnitFrame::of(&vertices, &triangles)?;
         let rest: Vec<Vec3> = vertices.iter().map(|&v| frame.to_unit(v)).collect();
-        validate::spread(&rest, &triangles)?;
+        validate::refuse_collinear(&rest, &triangles)?;
         let (adjacency, (components, geometry)) = rayon::join(
             || Adjacency::of(vertices.len(), &triangles),
             || (Components::of(vertices.len(), &triangles), TriangleGeometry::of(&rest, &triangles)),

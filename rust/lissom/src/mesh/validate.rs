@@ -82,7 +82,7 @@ pub(super) fn seams(
 }
 
 /// Refuses points that are all on one line (in unit coordinates, where they cannot all coincide).
-pub(crate) fn spread(rest: &[Vec3], triangles: &[[u32; 3]]) -> Result<()> {
+pub(crate) fn refuse_collinear(rest: &[Vec3], triangles: &[[u32; 3]]) -> Result<()> {
     let used = || triangles.iter().flatten().map(|&v| rest[v as usize]);
     let origin = rest[triangles[0][0] as usize];
     let far = used().max_by(|a, b| a.distance(origin).total_cmp(&b.distance(origin))).unwrap_or(origin);

@@ -7,13 +7,13 @@
 
 use rayon::prelude::*;
 
-use crate::geometry::matrix::outer;
 use crate::geometry::triangle::normal_and_area;
+use crate::matrix::outer;
 use crate::{Mat3, Mesh, Vec3, rotation};
 
 /// Triangles whose height is below this fraction of their longest edge have no gradient of their
 /// own: they turn and stretch with their longest edge.
-const FLAT: f64 = 1e-7;
+const DEGENERATE: f64 = 1e-7;
 
 /// Deformation gradients of `posed`, (n) positions in any units that share a scale with
 /// `mesh.rest()`; one 3 x 3 matrix per triangle.
@@ -34,7 +34,7 @@ pub fn triangle_gradient(rest: [Vec3; 3], posed: [Vec3; 3]) -> Mat3 {
         (0..3).max_by(|&i, &j| e[i].length_squared().total_cmp(&e[j].length_squared())).unwrap_or(0);
     let length_squared = e[longest].length_squared();
     let moved = edges(posed);
-    if 2.0 * area <= FLAT * length_squared {
+    if 2.0 * area <= DEGENERATE * length_squared {
         return along(e[longest], moved[longest]);
     }
     let (moved_normal, _) = normal_and_area(posed);

@@ -27,11 +27,15 @@ use crate::{Mesh, Vec3};
 /// defined for triangles without area, and the rest positions have the gradient that they ought to.
 pub fn hat_gradients(mesh: &Mesh) -> Vec<[Vec3; 3]> {
     let (rest, weights) = (mesh.rest(), mesh.half_cotangents());
-    mesh.triangles().par_iter().zip(weights).map(|(t, w)| hats_of(t.map(|v| rest[v as usize]), *w)).collect()
+    mesh.triangles()
+        .par_iter()
+        .zip(weights)
+        .map(|(t, w)| corner_hat_gradients(t.map(|v| rest[v as usize]), *w))
+        .collect()
 }
 
 /// The scaled hat gradients of one triangle, from its corners and the weights of the edges opposite.
-pub(crate) fn hats_of([a, b, c]: [Vec3; 3], w: [f64; 3]) -> [Vec3; 3] {
+pub(crate) fn corner_hat_gradients([a, b, c]: [Vec3; 3], w: [f64; 3]) -> [Vec3; 3] {
     let (bc, ca, ab) = ((c - b) * w[0], (a - c) * w[1], (b - a) * w[2]);
     [ca - ab, ab - bc, bc - ca]
 }

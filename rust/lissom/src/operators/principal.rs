@@ -6,7 +6,7 @@
 //! takes half of its edges) and seen in the tangent plane this is a tensor `T` whose axes are the
 //! principal directions with the curvatures swapped, so that `trace(T) I - T` is the shape operator.
 
-use crate::geometry::matrix::outer;
+use crate::matrix::outer;
 use crate::{Mat3, Mesh, Vec3};
 
 /// Curvature at a vertex, in unit coordinates.
@@ -54,12 +54,12 @@ fn in_plane(tensor: Mat3, normal: Vec3) -> Principal {
     let y = normal.cross(x);
     let (xx, xy, yy) = (y.dot(tensor * y), -x.dot(tensor * y), x.dot(tensor * x));
     let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-    let spread = half.hypot(xy);
+    let deviation = half.hypot(xy);
     // The direction of the larger eigenvalue; that of larger magnitude where the mean is negative.
     let angle = 0.5 * xy.atan2(half) + if mean < 0.0 { std::f64::consts::FRAC_PI_2 } else { 0.0 };
     let sign = if mean < 0.0 { -1.0 } else { 1.0 };
     Principal {
-        curvatures: [mean + sign * spread, mean - sign * spread],
+        curvatures: [mean + sign * deviation, mean - sign * deviation],
         direction: x * angle.cos() + y * angle.sin(),
         normal,
     }

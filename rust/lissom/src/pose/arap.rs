@@ -29,16 +29,16 @@ use super::field::{self, inverse_mass};
 use super::goal::Goal;
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
-use crate::geometry::matrix::norm_squared;
 use crate::geometry::rows::Rows;
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
+use crate::matrix::norm_squared;
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::options::{choices, options};
 use crate::rotation::nearest_rotation;
-use crate::stitch::{Chooser, Fit, Owners, Reference, Stitcher, Stop, Weights, edge_weights};
+use crate::stitch::{Chooser, Iterate, Owners, Reference, Stitcher, Stop, Weights, edge_weights};
 use crate::{Job, Mat3, Mesh, Result, Vec3};
 
-/// Spread rotations are a start where they bring the energy below this fraction of that without.
+/// Extended rotations are a start where they bring the energy below this fraction of that without.
 const CLEARLY: f64 = 0.8;
 
 /// What the bending term of `smoothness` is worth, relative to the area of the region: at `l = 1/2` it
@@ -132,36 +132,37 @@ impl Arap {
         Ok(Self { stitcher, rotation_smoothing, smoothness, previous: None })
     }
 
-    /// The better of two shapes to start from: stitched to the handles' rotations, spread as harmonic rotation
+    /// The better of two shapes to start from: stitched to the handles' rotations, extended as harmonic rotation
     /// vectors, which is exact where all given vertices move by one rigid motion; or to the rotations that
     /// fit where only the handles move, which bends nothing that may stay straight. Which of them leads to
     /// the lower minimum shows only at the end. Where both are about equal, rotations are not what the pose is
     /// about, and the second leads lower.
-    fn start(&self, region: &Region, goal: &Goal) -> Fit {
+    fn start(&self, region: &Region, goal: &Goal) -> Iterate {
         let posing = Posing { arap: self, goal };
         let rotations = field::rotations(self.stitcher.system(), region, goal);
-        let spread = posing.stitched(rotations.into_iter().map(|r| r - Mat3::IDENTITY).collect());
-        // More than half a turn is in the spread rotations alone.
+        let extended = posing.stitched(rotations.into_iter().map(|r| r - Mat3::IDENTITY).collect());
+        // More than half a turn is in the extended rotations alone.
         if goal.handles.iter().any(|m| m.whole_turns != Vec3::ZERO || m.rotation.length() > PI) {
-            return spread;
+            return extended;
         }
         let unturned = vec![Mat3::ZERO; goal.displacements.len()];
         let rest = posing.stitched(posing.fit(goal.displacements.clone(), &unturned).changes);
-        if spread.energy <= CLEARLY * rest.energy { spread } else { rest }
+        if extended.energy <= CLEARLY * rest.energy { extended } else { rest }
     }
 }
 
 impl Posing<'_> {
     /// The shape for given rotations, and those that fit it best.
-    fn stitched(&self, changes: Vec<Mat3>) -> Fit {
-        let from = Fit { displacements: self.goal.displacements.clone(), changes, energy: 0.0, size: 0.0 };
+    fn stitched(&self, changes: Vec<Mat3>) -> Iterate {
+        let from =
+            Iterate { displacements: self.goal.displacements.clone(), changes, energy: 0.0, size: 0.0 };
         self.fit(self.arap.stitcher.global_step(self, &from), &from.changes)
     }
 }
 
 impl Chooser for Posing<'_> {
     /// Energies are over the number of cells that an edge is in.
-    fn fit(&self, displacements: Vec<Vec3>, last: &[Mat3]) -> Fit {
+    fn fit(&self, displacements: Vec<Vec3>, last: &[Mat3]) -> Iterate {
         let Arap { stitcher, smoothness, .. } = self.arap;
         let smoothing = self.arap.rotation_smoothing / stitcher.owners().per_edge();
         let local = stitcher.local_step(Reference::Rest, &displacements, |i, mut covariance| {
@@ -179,11 +180,11 @@ impl Chooser for Posing<'_> {
         let bending = smoothness.as_ref().map_or(0.0, |s| s.energy(&displacements, &local.changes));
         let apart = if smoothing > 0.0 { smoothing * disagreement(stitcher, &local.changes) } else { 0.0 };
         let energy = local.energy + bending + pulls + apart;
-        Fit { displacements, changes: local.changes, energy, size: local.size }
+        Iterate { displacements, changes: local.changes, energy, size: local.size }
     }
 
-    fn gradient(&self, fit: &Fit) -> Vec<Vec3> {
-        let Fit { displacements, changes, .. } = fit;
+    fn gradient(&self, fit: &Iterate) -> Vec<Vec3> {
+        let Iterate { displacements, changes, .. } = fit;
         let Arap { stitcher, smoothness, .. } = self.arap;
         let mut gradient =
             stitcher.gradient(Reference::Rest, changes, displacements, &self.goal.displacements);
@@ -212,7 +213,7 @@ impl Method for Arap {
             job.check()
         })?;
         let cells = self.stitcher.owners().per_edge();
-        let Fit { displacements, changes, energy, .. } = refined.fit;
+        let Iterate { displacements, changes, energy, .. } = refined.fit;
         self.previous = Some(changes);
         Ok(Solution {
             displacements,

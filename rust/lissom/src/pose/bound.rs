@@ -133,8 +133,8 @@ impl Pose {
     /// Poses by one affine matrix per handle, rest to posed, in the mesh's own units.
     ///
     /// `turns`, one rotation vector per handle, says by how many whole turns each matrix rotates: the
-    /// matrix's own rotation is lifted to the branch nearest to it; turns about another axis come first,
-    /// about axes of the rest pose. Without, rotations are lifted to branches that agree with each other
+    /// matrix's own rotation is taken on the branch nearest to it; turns about another axis come first,
+    /// about axes of the rest pose. Without, rotations are taken on branches that agree with each other
     /// ([`agree`]).
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Smooth fields: values given at handles, spread over the free vertices.
+//! Smooth fields: values given at handles, extended over the free vertices.
 //!
 //! Order 0 is a membrane, `L f = 0` (Zayer, Rössl, Karni & Seidel 2005, Harmonic Guidance for Surface
 //! Deformation); it has a crease where free and given vertices meet. Order 1, `L M^-1 L f = 0`, is a thin
@@ -33,7 +33,7 @@ pub(super) fn of_handles<const N: usize>(
     let parts: Vec<usize> = (0..N).filter(moving).collect();
     let mut fields: Vec<Vec<Vec3>> =
         parts.iter().map(|&part| region.at_handles(|h| handles[h][part])).collect();
-    system.spread(&mut fields);
+    system.extend(&mut fields);
     let mut fields = parts.iter().zip(fields).peekable();
     std::array::from_fn(|part| match fields.next_if(|field| *field.0 == part) {
         Some((_, field)) => field,
@@ -41,7 +41,7 @@ pub(super) fn of_handles<const N: usize>(
     })
 }
 
-/// The handles' rotations, spread as rotation vectors.
+/// The handles' rotations, extended as rotation vectors.
 pub(super) fn rotations(system: &ConstrainedSystem, region: &Region, goal: &Goal) -> Vec<Mat3> {
     let vectors: Vec<[Vec3; 2]> = goal.handles.iter().map(|m| [m.rotation, m.whole_turns]).collect();
     let [rotation, whole] = of_handles(system, region, &vectors);

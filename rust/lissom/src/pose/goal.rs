@@ -14,15 +14,15 @@ use crate::{Mat3, Mat4, Vec3};
 pub struct Goal {
     /// Displacement of every vertex that is given or pulled; zero elsewhere.
     pub displacements: Vec<Vec3>,
-    /// Motion of every handle.
-    pub handles: Vec<Motion>,
+    /// HandleMotion of every handle.
+    pub handles: Vec<HandleMotion>,
     /// Whether the displacements are those of the handles' affine motions, and not of single points.
     pub affine: bool,
 }
 
 /// How a handle moves as a whole.
 #[derive(Debug, Clone, Copy)]
-pub struct Motion {
+pub struct HandleMotion {
     /// Rotation vector: axis times angle, with whole turns.
     pub rotation: Vec3,
     /// Whole turns about another axis, before `rotation`; zero where that tells all.
@@ -40,7 +40,7 @@ pub(super) fn motions(
     turns: Option<&[Vec3]>,
     frame: UnitFrame,
     anchored: bool,
-) -> Vec<Motion> {
+) -> Vec<HandleMotion> {
     let linear = |m: &Mat4| Mat3::from_mat4(*m);
     let mut rotations: Vec<Vec3> = transforms.iter().map(|m| log(nearest_rotation(linear(m)))).collect();
     let mut whole_turns = vec![Vec3::ZERO; transforms.len()];
@@ -52,7 +52,7 @@ pub(super) fn motions(
         }
         None => agree(&mut rotations, anchored),
     }
-    let motion = |(m, (rotation, whole_turns)): (&Mat4, (Vec3, Vec3))| Motion {
+    let motion = |(m, (rotation, whole_turns)): (&Mat4, (Vec3, Vec3))| HandleMotion {
         rotation,
         whole_turns,
         linear: linear(m),
@@ -64,9 +64,9 @@ pub(super) fn motions(
 /// Splits a rotation that has done about `turns` into a rotation vector and whole turns before it. Near
 /// whole turns a matrix says nothing of their axis, and a twist with a tilt has no vector of its own.
 fn with_turns(own: Vec3, turns: Vec3) -> (Vec3, Vec3) {
-    let lifted = nearest_branch(own, turns);
-    if lifted.distance(turns) <= PI {
-        return (lifted, Vec3::ZERO);
+    let nearest = nearest_branch(own, turns);
+    if nearest.distance(turns) <= PI {
+        return (nearest, Vec3::ZERO);
     }
     let whole = turns.normalize_or_zero() * (TAU * (turns.length() / TAU).round());
     (nearest_branch(own, turns - whole), whole)

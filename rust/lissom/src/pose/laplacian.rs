@@ -23,7 +23,7 @@ use crate::{Job, Mesh, Result, Vec3};
 
 choices! {
     /// How neighbours are weighed.
-    pub enum Weights {
+    pub enum LaplacianWeights {
         /// By the shape of the triangles: fine and coarse parts act alike.
         Cotangent = "cotangent",
         /// All the same: for even meshes, and where triangles are very thin.
@@ -36,7 +36,7 @@ options! {
     #[derive(Debug, Clone)]
     pub struct Options {
         /// How much each neighbour of a vertex counts.
-        pub weights: Weights = Weights::Cotangent,
+        pub weights: LaplacianWeights = LaplacianWeights::Cotangent,
     }
 }
 
@@ -68,10 +68,10 @@ impl Laplacian {
 }
 
 /// `L` and the squares of `D` of the operator `A = D L`.
-pub(super) fn operator(mesh: &Mesh, weights: Weights) -> (SymmetricMatrix, Vec<f64>) {
+pub(super) fn operator(mesh: &Mesh, weights: LaplacianWeights) -> (SymmetricMatrix, Vec<f64>) {
     match weights {
-        Weights::Cotangent => (cotangent_laplacian(mesh), inverse_mass(mesh)),
-        Weights::Uniform => {
+        LaplacianWeights::Cotangent => (cotangent_laplacian(mesh), inverse_mass(mesh)),
+        LaplacianWeights::Uniform => {
             let laplacian = graph_laplacian(mesh);
             let degree = laplacian.entries().filter(|(i, j, _)| i == j).map(|(_, _, d)| d);
             let squares = degree.map(|d| if d > 0.0 { 1.0 / (d * d) } else { 0.0 }).collect();

@@ -22,12 +22,12 @@
 use rayon::prelude::*;
 
 use super::goal::Goal;
-use super::laplacian::{Weights, operator};
+use super::laplacian::{LaplacianWeights, operator};
 use super::method::Method;
 use super::region::Region;
 use super::responses::{Linear, Response, minima};
-use crate::geometry::matrix::outer;
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
+use crate::matrix::outer;
 use crate::operators::graph::graph_laplacian;
 use crate::options::options;
 use crate::{Job, Mat3, Mesh, Result, Vec3};
@@ -46,7 +46,7 @@ options! {
     #[derive(Debug, Clone)]
     pub struct Options {
         /// How much each neighbour of a vertex counts.
-        pub weights: Weights = Weights::Uniform,
+        pub weights: LaplacianWeights = LaplacianWeights::Uniform,
         /// Let details grow and shrink as they turn: for handles that scale; large turns swell.
         pub scale: bool = true,
     }
@@ -126,8 +126,8 @@ fn fit(rest: &[Vec3], row: &[(u32, f64)], scale: f64, grow: bool) -> Row {
     if q == 0.0 {
         return row.iter().map(|&(j, a)| (j, Mat3::IDENTITY * (a * scale))).collect();
     }
-    let spread = row.iter().fold(Mat3::ZERO, |sum, &(j, _)| sum + outer(arm(j), arm(j))) * (1.0 / q);
-    let turn = (Mat3::IDENTITY * (1.0 + LINE) - spread).inverse() * (1.0 / q);
+    let scatter = row.iter().fold(Mat3::ZERO, |sum, &(j, _)| sum + outer(arm(j), arm(j))) * (1.0 / q);
+    let turn = (Mat3::IDENTITY * (1.0 + LINE) - scatter).inverse() * (1.0 / q);
     let turned = cross(delta) * turn;
     let grown = if grow { delta * (1.0 / q) } else { Vec3::ZERO };
     row.iter()

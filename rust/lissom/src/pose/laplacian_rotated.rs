@@ -13,7 +13,7 @@
 
 use super::field::inverse_mass;
 use super::goal::Goal;
-use super::laplacian::{Weights, operator};
+use super::laplacian::{LaplacianWeights, operator};
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
 use super::responses::minima;
@@ -29,7 +29,7 @@ options! {
     #[derive(Debug, Clone)]
     pub struct Options {
         /// How much each neighbour of a vertex counts.
-        pub weights: Weights = Weights::Cotangent,
+        pub weights: LaplacianWeights = LaplacianWeights::Cotangent,
         /// Bumps narrower than this turn as the surface around them does.
         pub estimate: f64 = 0.05 => at_least(0.0) unit("of the diagonal"),
     }

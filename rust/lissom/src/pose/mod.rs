@@ -34,7 +34,7 @@ pub mod thin_shell;
 mod welding;
 
 pub use bound::{Info, Pose, Posed, Report};
-pub use goal::{Goal, Motion};
+pub use goal::{Goal, HandleMotion};
 pub use method::{CommonOptions, Holding, Method, Solution, SolveOptions};
 pub use region::{Handle, Hold, Region};
 pub use registry::{METHODS, MethodOptions};

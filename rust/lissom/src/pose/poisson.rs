@@ -16,7 +16,7 @@
 use rayon::prelude::*;
 
 use super::field::{of_handles, smooth_system};
-use super::goal::{Goal, Motion};
+use super::goal::{Goal, HandleMotion};
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
 use crate::linear::ConstrainedSystem;
@@ -88,7 +88,7 @@ impl Poisson {
 }
 
 /// What is blended: rotation vector, whole turns, and the entries of `S - I` on and off the diagonal.
-fn to_vectors(motion: &Motion) -> [Vec3; 4] {
+fn to_vectors(motion: &HandleMotion) -> [Vec3; 4] {
     let s = polar(motion.linear).1 - Mat3::IDENTITY;
     let diagonal = Vec3::new(s.x_axis.x, s.y_axis.y, s.z_axis.z);
     let mixed = Vec3::new(s.y_axis.z, s.x_axis.z, s.x_axis.y);

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::goal::{Goal, Motion};
+use super::goal::{Goal, HandleMotion};
 use crate::geometry::rigid::Alignment;
 use crate::linear::Constraints;
 use crate::rotation::log;
@@ -208,7 +208,13 @@ impl Region {
         &self.warnings
     }
 
-    pub(super) fn goal(&self, mesh: &Mesh, targets: &[Vec3], handles: Vec<Motion>, affine: bool) -> Goal {
+    pub(super) fn goal(
+        &self,
+        mesh: &Mesh,
+        targets: &[Vec3],
+        handles: Vec<HandleMotion>,
+        affine: bool,
+    ) -> Goal {
         let rest = mesh.vertices();
         let scale = mesh.frame().scale;
         let displacements = self.whole.iter().zip(&self.target_of).map(|(&v, place)| match place {
@@ -225,8 +231,8 @@ impl Region {
         }
     }
 
-    /// Motion of each handle from where its vertices go (Kabsch 1976).
-    pub(super) fn estimate_motions(&self, mesh: &Mesh, targets: &[Vec3]) -> Vec<Motion> {
+    /// HandleMotion of each handle from where its vertices go (Kabsch 1976).
+    pub(super) fn estimate_motions(&self, mesh: &Mesh, targets: &[Vec3]) -> Vec<HandleMotion> {
         let frame = mesh.frame();
         let rest = |v: u32| frame.to_unit(mesh.vertices()[v as usize]);
         let vertices = self.handles.iter().flat_map(|h| &h.vertices);
@@ -245,7 +251,12 @@ impl Region {
                 let own = Alignment::of(own.iter().copied());
                 let linear = if own.is_determined() { own.rotation() } else { together };
                 let (from, to) = own.centroids();
-                Motion { rotation: log(linear), whole_turns: Vec3::ZERO, linear, offset: to - linear * from }
+                HandleMotion {
+                    rotation: log(linear),
+                    whole_turns: Vec3::ZERO,
+                    linear,
+                    offset: to - linear * from,
+                }
             })
             .collect()
     }

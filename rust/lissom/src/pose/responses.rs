@@ -11,11 +11,11 @@
 
 use rayon::prelude::*;
 
-use super::goal::{Goal, Motion};
+use super::goal::{Goal, HandleMotion};
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
-use crate::geometry::matrix::outer;
 use crate::linear::ConstrainedSystem;
+use crate::matrix::outer;
 use crate::{Job, Mat3, Result, Vec3, memory};
 
 /// Most handles whose responses are kept; beyond, a solve is the lesser cost.
@@ -111,9 +111,9 @@ impl<M: Response> Linear<M> {
 /// One handle's `[A - I | b]` is `[change | offset]`, all others stay.
 fn unit_goal(region: &Region, handle: usize, change: Mat3, offset: Vec3) -> Goal {
     let zero = Vec3::ZERO;
-    let still = Motion { rotation: zero, whole_turns: zero, linear: Mat3::IDENTITY, offset: zero };
+    let still = HandleMotion { rotation: zero, whole_turns: zero, linear: Mat3::IDENTITY, offset: zero };
     let mut motions = vec![still; region.handles().len()];
-    motions[handle] = Motion { linear: Mat3::IDENTITY + change, offset, ..still };
+    motions[handle] = HandleMotion { linear: Mat3::IDENTITY + change, offset, ..still };
     let rest = region.mesh().rest();
     let moved = (0..rest.len()).map(|v| match region.handle_of(v) {
         Some(h) if h == handle => change * rest[v] + offset,
@@ -123,7 +123,7 @@ fn unit_goal(region: &Region, handle: usize, change: Mat3, offset: Vec3) -> Goal
 }
 
 impl Responses {
-    fn displacements(&self, motions: &[Motion], vertices: usize) -> Vec<Vec3> {
+    fn displacements(&self, motions: &[HandleMotion], vertices: usize) -> Vec<Vec3> {
         let columns: Vec<Vec3> = motions
             .iter()
             .flat_map(|m| {

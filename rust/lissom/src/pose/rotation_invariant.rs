@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use super::field;
 use super::goal::Goal;
-pub use super::laplacian::Weights;
+pub use super::laplacian::LaplacianWeights;
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
 use super::responses::{Linear, Response};
@@ -33,7 +33,7 @@ use crate::stitch::{self, Owners, Reference, Stitcher, edge_weights};
 use crate::{Job, Mat3, Mesh, Result, Vec3};
 
 /// Curvature, in one over the diagonal, that counts as flat: no direction is principal there.
-const FLAT: f64 = 1e-3;
+const NEGLIGIBLE_CURVATURE: f64 = 1e-3;
 
 /// Least weight of an edge: it keeps frames together across the principal direction.
 const LEAST_WEIGHT: f64 = 0.05;
@@ -64,7 +64,7 @@ options! {
     #[derive(Debug, Clone)]
     pub struct Options {
         /// How much each neighbour of a vertex counts.
-        pub weights: Weights = Weights::Cotangent,
+        pub weights: LaplacianWeights = LaplacianWeights::Cotangent,
         /// Along which edges turns are spread.
         pub frames: Frames = Frames::Uniform,
         /// What is spread between the handles.
@@ -98,8 +98,8 @@ impl RotationInvariant {
     fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let (mesh, constraints) = (region.mesh(), region.constraints());
         let weights = match options.weights {
-            Weights::Uniform => vec![1.0; mesh.adjacency().edges().len()],
-            Weights::Cotangent => edge_weights(mesh, mesh.half_cotangents()),
+            LaplacianWeights::Uniform => vec![1.0; mesh.adjacency().edges().len()],
+            LaplacianWeights::Cotangent => edge_weights(mesh, mesh.half_cotangents()),
         };
         let (owners, of_edges) = (Owners::Edges, stitch::Weights::Edges(&weights));
         let stitcher = Stitcher::new(mesh.clone(), owners, of_edges, None, constraints.clone(), job)?;
@@ -129,7 +129,7 @@ impl RotationInvariant {
         // The unknown is `R - I`, which is zero where the surface stays.
         let mut columns =
             [0, 1, 2].map(|column| region.at_handles(|h| (matrix(h) - Mat3::IDENTITY).col(column)));
-        system.spread(&mut columns);
+        system.extend(&mut columns);
         let change = |v: usize| Mat3::from_cols(columns[0][v], columns[1][v], columns[2][v]);
         let projected = |v| nearest_rotation(Mat3::IDENTITY + change(v)) - Mat3::IDENTITY;
         let change = |v| if self.options.project { projected(v) } else { change(v) };
@@ -168,7 +168,7 @@ fn principal_weights(mesh: &Mesh, weights: &[f64]) -> Vec<f64> {
     let rest = mesh.rest();
     let at = |p: &Principal, edge: Vec3| {
         let [most, least] = p.curvatures.map(f64::abs);
-        let anisotropy = (most - least) / (most + least + FLAT);
+        let anisotropy = (most - least) / (most + least + NEGLIGIBLE_CURVATURE);
         let (along, across) = (edge.dot(p.direction), edge.dot(p.normal.cross(p.direction)));
         let length_squared = (along * along + across * across).max(f64::MIN_POSITIVE);
         1.0 + anisotropy * (along * along - across * across) / length_squared

@@ -7,10 +7,10 @@
 
 use rayon::prelude::*;
 
-use super::{Hats, Local, triangles};
-use crate::geometry::matrix::{dot, outer};
+use super::{HatGradients, Local, triangles};
 use crate::geometry::rows::Rows;
 use crate::linear::Constraints;
+use crate::matrix::{dot, outer};
 use crate::{Mat3, Mesh, Vec3};
 
 /// Vertices that a thread takes at once.
@@ -50,20 +50,20 @@ impl Fans {
 
     /// Cells of spokes and rims; weights `w_te` opposite to each corner.
     pub fn of_corners(mesh: &Mesh, weights: &[[f64; 3]]) -> Self {
-        let hats: Vec<Hats> = triangles::hats(mesh, weights, mesh.rest());
+        let hats: Vec<HatGradients> = triangles::hats(mesh, weights, mesh.rest());
         let edges = mesh.adjacency().edges().iter().enumerate();
         let edges = edges.map(|(e, ends)| {
-            let (mut weight, mut asked) = (0.0, [Vec3::ZERO; 2]);
+            let (mut weight, mut sum) = (0.0, [Vec3::ZERO; 2]);
             for side in mesh.adjacency().sides_of(e) {
                 let t = side.triangle as usize;
                 for (corner, &v) in mesh.triangles()[t].iter().enumerate() {
                     match ends.iter().position(|&end| end == v) {
-                        Some(end) => asked[end] += hats[t][corner],
+                        Some(end) => sum[end] += hats[t][corner],
                         None => weight += weights[t][corner],
                     }
                 }
             }
-            (weight, asked)
+            (weight, sum)
         });
         Self::joining(mesh, edges)
     }
@@ -104,14 +104,13 @@ impl Fans {
         (0..self.total.len()).into_par_iter().with_min_len(GRAIN).map(of).collect()
     }
 
-    /// What cells ask of the position of a vertex, over the cells that an edge is in.
-    fn asked(&self, changes: &[Mat3], i: usize) -> Vec3 {
-        let own = -(changes[i] * self.total[i]);
-        self.at(i).iter().fold(own, |sum, spoke| sum + changes[spoke.neighbour as usize] * spoke.neighbours)
-    }
-
     pub fn divergence(&self, changes: &[Mat3], per_edge: f64) -> Vec<Vec3> {
-        self.map(|i| self.asked(changes, i) * (1.0 / per_edge))
+        self.map(|i| {
+            let own = -(changes[i] * self.total[i]);
+            let all =
+                self.at(i).iter().fold(own, |sum, s| sum + changes[s.neighbour as usize] * s.neighbours);
+            all * (1.0 / per_edge)
+        })
     }
 
     pub fn gradient(
@@ -125,13 +124,13 @@ impl Fans {
             if constraints.slot(i as u32).is_none() {
                 return Vec3::ZERO;
             }
-            let (mut stretch, mut asked) = (Vec3::ZERO, -(changes[i] * self.total[i]));
+            let (mut stretch, mut sum) = (Vec3::ZERO, -(changes[i] * self.total[i]));
             for spoke in self.at(i) {
                 let j = spoke.neighbour as usize;
                 stretch += (displacements[i] - displacements[j]) * spoke.weight;
-                asked += changes[j] * spoke.neighbours;
+                sum += changes[j] * spoke.neighbours;
             }
-            stretch - asked * (1.0 / per_edge)
+            stretch - sum * (1.0 / per_edge)
         })
     }
 

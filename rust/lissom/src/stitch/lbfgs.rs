@@ -25,12 +25,12 @@ const BLOCK: usize = 4096;
 #[derive(Debug, Default)]
 pub(super) struct Lbfgs {
     /// Oldest first.
-    steps: Vec<Step>,
+    steps: Vec<CurvaturePair>,
     last: Option<Last>,
 }
 
 #[derive(Debug)]
-struct Step {
+struct CurvaturePair {
     s: Vec<Vec3>,
     y: Vec<Vec3>,
     /// `K^-1 y`.
@@ -43,18 +43,18 @@ struct Step {
 #[derive(Debug)]
 struct Last {
     gradient: Vec<Vec3>,
-    lifted: Vec<Vec3>,
+    preconditioned: Vec<Vec3>,
     direction: Vec<Vec3>,
 }
 
 impl Lbfgs {
-    /// The direction of descent at a point of the given gradient, where `lifted` is `K^-1` of it. Learns
+    /// The direction of descent at a point of the given gradient, where `preconditioned` is `K^-1` of it. Learns
     /// from the step that led there: `length` times the last direction.
-    pub fn direction(&mut self, gradient: &[Vec3], lifted: &[Vec3], length: f64) -> Vec<Vec3> {
+    pub fn direction(&mut self, gradient: &[Vec3], preconditioned: &[Vec3], length: f64) -> Vec<Vec3> {
         if let Some(last) = self.last.take() {
-            self.learn(last, gradient, lifted, length);
+            self.learn(last, gradient, preconditioned, length);
         }
-        let (mut q, mut d) = (gradient.to_vec(), lifted.to_vec());
+        let (mut q, mut d) = (gradient.to_vec(), preconditioned.to_vec());
         let mut alphas = Vec::with_capacity(self.steps.len());
         for step in self.steps.iter().rev() {
             let alpha = dot(&step.s, &q) / step.curvature;
@@ -71,17 +71,17 @@ impl Lbfgs {
             add(&mut d, alpha - beta, &step.s);
         }
         d.par_iter_mut().with_min_len(BLOCK).for_each(|d| *d = -*d);
-        let (gradient, lifted) = (gradient.to_vec(), lifted.to_vec());
-        self.last = Some(Last { gradient, lifted, direction: d.clone() });
+        let (gradient, preconditioned) = (gradient.to_vec(), preconditioned.to_vec());
+        self.last = Some(Last { gradient, preconditioned, direction: d.clone() });
         d
     }
 
-    fn learn(&mut self, last: Last, gradient: &[Vec3], lifted: &[Vec3], length: f64) {
+    fn learn(&mut self, last: Last, gradient: &[Vec3], preconditioned: &[Vec3], length: f64) {
         let mut s = last.direction;
         s.par_iter_mut().with_min_len(BLOCK).for_each(|s| *s *= length);
-        let (mut y, mut z) = (gradient.to_vec(), lifted.to_vec());
+        let (mut y, mut z) = (gradient.to_vec(), preconditioned.to_vec());
         add(&mut y, -1.0, &last.gradient);
-        add(&mut z, -1.0, &last.lifted);
+        add(&mut z, -1.0, &last.preconditioned);
         let curvature = dot(&s, &y);
         // Without positive curvature the model would lead uphill.
         if curvature <= LEAST_CURVATURE * dot(&y, &z) {
@@ -90,7 +90,7 @@ impl Lbfgs {
         if self.steps.len() == WINDOW {
             self.steps.remove(0);
         }
-        self.steps.push(Step { s, y, z, curvature });
+        self.steps.push(CurvaturePair { s, y, z, curvature });
     }
 }
 

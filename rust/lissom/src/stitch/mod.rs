@@ -26,15 +26,15 @@ mod triangles;
 use std::sync::{Arc, OnceLock};
 
 use fans::Fans;
-pub use refine::{Chooser, Fit, Refined, Stop};
+pub use refine::{Chooser, Iterate, Refined, Stop};
 
 use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
-use crate::operators::hats_of;
+use crate::operators::corner_hat_gradients;
 use crate::{Job, Mat3, Mesh, Result, Vec3};
 
 /// Of each corner of a triangle, `sum w_te s_te` over the two edges that meet there: `area_t grad phi` where `s` are
 /// the edges of the triangle itself.
-pub type Hats = [Vec3; 3];
+pub type HatGradients = [Vec3; 3];
 
 /// Who owns the target matrices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,7 +81,7 @@ pub enum Reference<'a> {
     /// Edges of each triangle's own, for [`Owners::Triangles`].
     Edges {
         /// Of each triangle, the hats of its reference edges, and those less the hats of the base.
-        hats: &'a (dyn Fn(usize) -> [Hats; 2] + Sync),
+        hats: &'a (dyn Fn(usize) -> [HatGradients; 2] + Sync),
         /// What displacements count from, in unit coordinates.
         base: &'a [Vec3],
     },
@@ -117,7 +117,7 @@ enum Elements {
         /// `w_te` opposite to each corner.
         weights: Vec<[f64; 3]>,
         /// Made when the rest pose is first the reference.
-        hats: OnceLock<Vec<Hats>>,
+        hats: OnceLock<Vec<HatGradients>>,
     },
     Fans(Fans),
 }
@@ -262,7 +262,7 @@ impl Stitcher {
                         Reference::Rest => [self.hats()[t], [Vec3::ZERO; 3]],
                         Reference::Edges { hats, .. } => hats(t),
                     };
-                    let own = hats_of(corners.map(|v| displacements[v as usize]), weights[t]);
+                    let own = corner_hat_gradients(corners.map(|v| displacements[v as usize]), weights[t]);
                     [0, 1, 2].map(|c| own[c] - changes[t] * reference[c] - beyond[c])
                 });
                 for (v, gradient) in (0u32..).zip(&mut gradient) {
@@ -290,20 +290,20 @@ impl Stitcher {
     }
 
     /// `K^-1` of a gradient, where `K` is the matrix of the global step.
-    pub fn lift(&self, gradient: &[Vec3]) -> Vec<Vec3> {
-        let mut lifted = [vec![Vec3::ZERO; gradient.len()]];
-        self.system.solve(&[gradient], &mut lifted);
-        let [lifted] = lifted;
-        lifted
+    pub fn precondition(&self, gradient: &[Vec3]) -> Vec<Vec3> {
+        let mut preconditioned = [vec![Vec3::ZERO; gradient.len()]];
+        self.system.solve(&[gradient], &mut preconditioned);
+        let [preconditioned] = preconditioned;
+        preconditioned
     }
 
     /// The hats at rest, of triangles.
-    fn hats(&self) -> &[Hats] {
+    fn hats(&self) -> &[HatGradients] {
         let Elements::Triangles { weights, hats } = &self.elements else { return &[] };
         hats.get_or_init(|| triangles::hats(&self.mesh, weights, self.mesh.rest()))
     }
 
-    fn reference_hats<'a>(&'a self, reference: Reference<'a>) -> impl Fn(usize) -> Hats + Sync + 'a {
+    fn reference_hats<'a>(&'a self, reference: Reference<'a>) -> impl Fn(usize) -> HatGradients + Sync + 'a {
         let at_rest = match reference {
             Reference::Rest => self.hats(),
             Reference::Edges { .. } => &[],

@@ -22,7 +22,7 @@ const ENOUGH: f64 = 1e-4;
 
 /// A shape and the outcome of its local step.
 #[derive(Debug)]
-pub struct Fit {
+pub struct Iterate {
     /// Displacement of every vertex, in unit coordinates.
     pub displacements: Vec<Vec3>,
     /// `C - I` of every owner.
@@ -36,10 +36,10 @@ pub struct Fit {
 /// Chooses targets again for every shape.
 pub trait Chooser {
     /// The local step; `last` are the targets of the shape before.
-    fn fit(&self, displacements: Vec<Vec3>, last: &[Mat3]) -> Fit;
+    fn fit(&self, displacements: Vec<Vec3>, last: &[Mat3]) -> Iterate;
 
     /// Half the gradient of the energy by the displacements, for fixed targets; zero at fixed vertices.
-    fn gradient(&self, fit: &Fit) -> Vec<Vec3>;
+    fn gradient(&self, fit: &Iterate) -> Vec<Vec3>;
 }
 
 /// When to stop.
@@ -55,7 +55,7 @@ pub struct Stop {
 #[derive(Debug)]
 pub struct Refined {
     /// The shape.
-    pub fit: Fit,
+    pub fit: Iterate,
     /// Iterations done.
     pub iterations: usize,
     /// Whether the tolerance was reached.
@@ -66,8 +66,8 @@ pub struct Refined {
 
 impl Stitcher {
     /// The global step: the shape of least energy for fixed targets.
-    pub fn global_step(&self, chooser: &impl Chooser, fit: &Fit) -> Vec<Vec3> {
-        moved(&fit.displacements, &self.lift(&chooser.gradient(fit)), -1.0)
+    pub fn global_step(&self, chooser: &impl Chooser, fit: &Iterate) -> Vec<Vec3> {
+        moved(&fit.displacements, &self.precondition(&chooser.gradient(fit)), -1.0)
     }
 
     /// Lowers the energy of `chooser` from a shape on. `watch` is told the number of each iteration.
@@ -78,7 +78,7 @@ impl Stitcher {
     pub fn refine(
         &self,
         chooser: &impl Chooser,
-        mut fit: Fit,
+        mut fit: Iterate,
         stop: Stop,
         mut watch: impl FnMut(usize) -> Result<()>,
     ) -> Result<Refined> {
@@ -88,8 +88,8 @@ impl Stitcher {
         while iterations < stop.max_iterations && quiet < 2 && fit.energy.is_finite() {
             watch(iterations)?;
             let gradient = chooser.gradient(&fit);
-            let lifted = self.lift(&gradient);
-            let direction = memory.direction(&gradient, &lifted, length);
+            let preconditioned = self.precondition(&gradient);
+            let direction = memory.direction(&gradient, &preconditioned, length);
             let slope = 2.0 * dot(&gradient, &direction);
             let next = match search(chooser, &fit, &direction, slope) {
                 Some((next, found)) => {
@@ -98,7 +98,7 @@ impl Stitcher {
                 }
                 None => {
                     memory = Lbfgs::default();
-                    chooser.fit(moved(&fit.displacements, &lifted, -1.0), &fit.changes)
+                    chooser.fit(moved(&fit.displacements, &preconditioned, -1.0), &fit.changes)
                 }
             };
             iterations += 1;
@@ -115,7 +115,7 @@ impl Stitcher {
 
 /// The first of some lengths of a step along `direction` that lowers the energy well enough; each is where
 /// the parabola through what is known has its minimum.
-fn search(chooser: &impl Chooser, from: &Fit, direction: &[Vec3], slope: f64) -> Option<(Fit, f64)> {
+fn search(chooser: &impl Chooser, from: &Iterate, direction: &[Vec3], slope: f64) -> Option<(Iterate, f64)> {
     let mut length = 1.0;
     for _ in 0..TRIALS {
         let next = chooser.fit(moved(&from.displacements, direction, length), &from.changes);

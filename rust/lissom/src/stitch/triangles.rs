@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::{Hats, Local};
-use crate::geometry::matrix::{dot, outer};
+use super::{HatGradients, Local};
 use crate::linear::SymmetricMatrix;
+use crate::matrix::{dot, outer};
+use crate::operators::corner_hat_gradients;
 use crate::operators::divergence::divergence;
-use crate::operators::hats_of;
 use crate::{Mat3, Mesh, Vec3};
 
 /// Triangles or vertices that a thread takes at least.
@@ -20,12 +20,12 @@ pub(super) fn laplacian(mesh: &Mesh, weights: &[[f64; 3]]) -> SymmetricMatrix {
 }
 
 /// The hats of every triangle with the vertices at `x`.
-pub(super) fn hats(mesh: &Mesh, weights: &[[f64; 3]], x: &[Vec3]) -> Vec<Hats> {
+pub(super) fn hats(mesh: &Mesh, weights: &[[f64; 3]], x: &[Vec3]) -> Vec<HatGradients> {
     let triangles = mesh.triangles().par_iter().zip(weights);
-    triangles.map(|(t, w)| hats_of(t.map(|v| x[v as usize]), *w)).collect()
+    triangles.map(|(t, w)| corner_hat_gradients(t.map(|v| x[v as usize]), *w)).collect()
 }
 
-pub(super) fn divergence_at_rest(mesh: &Mesh, hats: &[Hats], changes: &[Mat3]) -> Vec<Vec3> {
+pub(super) fn divergence_at_rest(mesh: &Mesh, hats: &[HatGradients], changes: &[Mat3]) -> Vec<Vec3> {
     divergence(mesh.triangles(), hats, changes, mesh.rest().len())
 }
 
@@ -40,12 +40,12 @@ pub(super) fn gather(mesh: &Mesh, of: impl Fn(usize, [u32; 3]) -> [Vec3; 3] + Sy
     (0..mesh.rest().len()).into_par_iter().with_min_len(GRAIN).map(at).collect()
 }
 
-fn covariance([a, b, c]: [Vec3; 3], hats: Hats) -> Mat3 {
+fn covariance([a, b, c]: [Vec3; 3], hats: HatGradients) -> Mat3 {
     // The hats sum to zero, so any origin does.
     outer(b - a, hats[1]) + outer(c - a, hats[2])
 }
 
-pub(super) fn covariances(mesh: &Mesh, hats: impl Fn(usize) -> Hats + Sync, x: &[Vec3]) -> Vec<Mat3> {
+pub(super) fn covariances(mesh: &Mesh, hats: impl Fn(usize) -> HatGradients + Sync, x: &[Vec3]) -> Vec<Mat3> {
     let triangles = mesh.triangles().par_iter().enumerate().with_min_len(GRAIN);
     triangles.map(|(t, vertices)| covariance(vertices.map(|v| x[v as usize]), hats(t))).collect()
 }
@@ -53,7 +53,7 @@ pub(super) fn covariances(mesh: &Mesh, hats: impl Fn(usize) -> Hats + Sync, x: &
 pub(super) fn local_step(
     mesh: &Mesh,
     weights: &[[f64; 3]],
-    hats: impl Fn(usize) -> Hats + Sync,
+    hats: impl Fn(usize) -> HatGradients + Sync,
     x: &[Vec3],
     pick: impl Fn(usize, Mat3) -> Mat3 + Sync,
 ) -> Local {
@@ -61,7 +61,7 @@ pub(super) fn local_step(
         let corners = vertices.map(|v| x[v as usize]);
         let covariance = covariance(corners, hats(t));
         let target = pick(t, covariance);
-        let own = hats_of(corners, weights[t]);
+        let own = corner_hat_gradients(corners, weights[t]);
         let [a, b, c] = corners;
         let size = (b - a).dot(own[1]) + (c - a).dot(own[2]);
         (target - Mat3::IDENTITY, (size - 2.0 * dot(target, covariance), size))

@@ -19,13 +19,13 @@ use crate::{Mesh, Vec3};
 
 /// The pulls of one target.
 pub struct Anchors {
-    parts: Vec<Part>,
+    parts: Vec<AnchoredComponent>,
 }
 
-struct Part {
+struct AnchoredComponent {
     /// Vertices with an image, and their weight.
     vertices: Vec<(u32, f64)>,
-    /// Root mean square spread of the vertices over that of their images.
+    /// Root mean square size of the vertices over that of their images.
     size: f64,
 }
 
@@ -44,7 +44,7 @@ impl Anchors {
             let own = vertices.iter().map(|&(v, _)| target.rest()[v as usize]);
             let images = vertices.iter().map(|&(v, _)| chooser.image(v as usize).unwrap_or_default());
             let size = rigid::size_ratio(own, images);
-            Part { vertices, size }
+            AnchoredComponent { vertices, size }
         };
         Self { parts: target.components().members().into_iter().map(part).collect() }
     }
@@ -54,7 +54,7 @@ impl Anchors {
         !self.parts[component].vertices.is_empty()
     }
 
-    /// Root mean square spread of a component's vertices over that of their images, in unit coordinates.
+    /// Root mean square size of a component's vertices over that of their images, in unit coordinates.
     pub fn size(&self, component: usize) -> f64 {
         self.parts[component].size
     }
@@ -70,7 +70,7 @@ impl Anchors {
     }
 }
 
-impl Part {
+impl AnchoredComponent {
     fn targets(&self, target: &Mesh, chooser: &Chooser, moved: &[Vec3]) -> Vec<(u32, Vec3)> {
         let moved = |v: u32| moved[v as usize];
         let vertices = self.vertices.iter().map(|&(v, _)| v);

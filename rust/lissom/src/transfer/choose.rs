@@ -8,16 +8,16 @@
 
 use rayon::prelude::*;
 
-use super::image::Image;
+use super::image::SurfacePoint;
 use crate::geometry::groups::Groups;
-use crate::geometry::matrix::outer;
 use crate::geometry::rows::Rows;
 use crate::linear::{Factor, Symbolic, SymmetricMatrix};
+use crate::matrix::outer;
 use crate::operators::gradient::triangle_gradient;
 use crate::{Mat3, Mesh, Result, Vec3};
 
 /// Movement below this fraction of the diagonal is the noise of single precision, not a pose.
-const STILL: f64 = 1e-7;
+const NOISE: f64 = 1e-7;
 
 /// An image is sound while its area, against that of the triangle, is within this factor of the usual.
 const MOST_STRETCHED: f64 = 30.0;
@@ -26,7 +26,7 @@ const MOST_STRETCHED: f64 = 30.0;
 const GRAIN: usize = 4096;
 
 /// Areas below are no triangles, in unit coordinates.
-const FLAT: f64 = 1e-20;
+const LEAST_IMAGE_AREA: f64 = 1e-20;
 
 /// Holds a patch that nothing surrounds; far below any coupling.
 const GROUND: f64 = 1e-9;
@@ -41,7 +41,7 @@ pub struct SourceKey<'a> {
 impl<'a> SourceKey<'a> {
     /// Reads a key off `posed`, (n) positions in the source's own units.
     pub fn of(source: &'a Mesh, posed: &[Vec3]) -> Self {
-        let tolerance = STILL * source.frame().scale;
+        let tolerance = NOISE * source.frame().scale;
         let moved = |(&p, &v): (&Vec3, &Vec3)| {
             let d = p - v;
             if d.abs().max_element() > tolerance { d / source.frame().scale } else { Vec3::ZERO }
@@ -122,7 +122,7 @@ impl Frame {
 /// The images and matches of every target triangle, and the patches that have none.
 pub struct Chooser {
     /// The image of each target vertex: corners of the source triangle, and their weights.
-    images: Vec<Option<([u32; 3], Image)>>,
+    images: Vec<Option<([u32; 3], SurfacePoint)>>,
     /// Where the images are at rest.
     points: Vec<Vec3>,
     /// The images of target triangles that are triangles like them.
@@ -148,12 +148,17 @@ impl Chooser {
     /// # Errors
     ///
     /// [`crate::Error::SolveFailed`] where the patches without a match cannot be factored.
-    pub fn new(source: &Mesh, target: &Mesh, pairs: &[[u32; 2]], images: &[Option<Image>]) -> Result<Self> {
+    pub fn new(
+        source: &Mesh,
+        target: &Mesh,
+        pairs: &[[u32; 2]],
+        images: &[Option<SurfacePoint>],
+    ) -> Result<Self> {
         let mut sorted: Vec<[u32; 2]> = pairs.iter().map(|&[s, t]| [t, s]).collect();
         sorted.sort_unstable();
         sorted.dedup();
         let matches = Rows::sort(target.triangles().len(), sorted.into_iter().map(|[t, s]| (t, s)));
-        let on = |image: &Image| (source.triangles()[image.triangle as usize], *image);
+        let on = |image: &SurfacePoint| (source.triangles()[image.triangle as usize], *image);
         let images: Vec<_> = images.iter().map(|image| image.as_ref().map(on)).collect();
         let at = |v: u32| source.rest()[v as usize];
         let points = images.iter().map(|i| i.map_or(Vec3::ZERO, |(t, image)| image.blend(t.map(at))));
@@ -174,8 +179,9 @@ impl Chooser {
             let [Some(a), Some(b), Some(c)] = corners else { return None };
             let [p, q, r] = t.map(|v| self.points[v as usize]);
             let cross = (q - p).cross(r - p);
-            let faces =
-                |(_, image): ([u32; 3], Image)| source.normals()[image.triangle as usize].dot(cross) > 0.0;
+            let faces = |(_, image): ([u32; 3], SurfacePoint)| {
+                source.normals()[image.triangle as usize].dot(cross) > 0.0
+            };
             Some((0.5 * cross.length(), [a, b, c].into_iter().filter(|i| faces(*i)).count() >= 2))
         };
         let found: Vec<_> = target.triangles().par_iter().map(of).collect();
@@ -187,7 +193,10 @@ impl Chooser {
         let sound = |(found, &area): (&Option<(f64, bool)>, &f64)| {
             found.is_some_and(|(image, faces)| {
                 let against = image / (area * usual);
-                faces && image > FLAT && against > 1.0 / MOST_STRETCHED && against < MOST_STRETCHED
+                faces
+                    && image > LEAST_IMAGE_AREA
+                    && against > 1.0 / MOST_STRETCHED
+                    && against < MOST_STRETCHED
             })
         };
         found.iter().zip(target.areas()).map(sound).collect()
@@ -205,7 +214,7 @@ impl Chooser {
 
     /// Displacements of the images of all target vertices; zero where there is none.
     pub fn displacements(&self, key: &SourceKey) -> Vec<Vec3> {
-        let of = |image: &Option<([u32; 3], Image)>| match image {
+        let of = |image: &Option<([u32; 3], SurfacePoint)>| match image {
             Some((t, image)) => image.blend(t.map(|v| key.displacement[v as usize])),
             None => Vec3::ZERO,
         };
@@ -213,7 +222,7 @@ impl Chooser {
     }
 
     /// Whether something tells what a target triangle does.
-    pub fn is_told(&self, triangle: usize) -> bool {
+    pub fn has_target(&self, triangle: usize) -> bool {
         self.sound[triangle].is_some() || !self.matches(triangle).is_empty()
     }
 
@@ -223,7 +232,7 @@ impl Chooser {
     }
 
     fn unmatched(&self, target: &Mesh) -> Result<Option<Patches>> {
-        let is_unmatched = |t: &u32| !self.is_told(*t as usize);
+        let is_unmatched = |t: &u32| !self.has_target(*t as usize);
         let triangles: Vec<u32> = (0..target.triangles().len() as u32).filter(is_unmatched).collect();
         if triangles.is_empty() {
             return Ok(None);
@@ -267,7 +276,7 @@ impl Chooser {
         let (mut changes, mut moves): (Vec<Mat3>, Vec<bool>) = triangles.map(change).unzip();
         if let Some(patches) = &self.patches {
             patches.extend(&mut changes);
-            patches.spread(&mut moves);
+            patches.mark(&mut moves);
         }
         (changes, moves)
     }
@@ -288,7 +297,7 @@ impl Patches {
         }
     }
 
-    fn spread(&self, moves: &mut [bool]) {
+    fn mark(&self, moves: &mut [bool]) {
         let patch = self.patches.of();
         let mut reached = vec![false; self.patches.count()];
         for &(place, neighbour) in &self.border {

@@ -154,7 +154,7 @@ pub fn system(target: &Mesh, stitching: &SymmetricMatrix, job: &Job) -> Result<C
 
 /// Corrects `displacements` by as much as the contacts ask for; `system` is `A`.
 pub fn close(target: &Mesh, system: &ConstrainedSystem, contacts: &[Contact], displacements: &mut [Vec3]) {
-    let spread = |y: &[Vec3]| {
+    let response = |y: &[Vec3]| {
         let mut sums = vec![Vec3::ZERO; displacements.len()];
         for (contact, &y) in contacts.iter().zip(y) {
             let y = y * contact.pull;
@@ -177,7 +177,7 @@ pub fn close(target: &Mesh, system: &ConstrainedSystem, contacts: &[Contact], di
         if left <= enough || left == 0.0 {
             break;
         }
-        let answer = spread(&direction);
+        let answer = response(&direction);
         let image: Vec<Vec3> = (contacts.iter().zip(&direction))
             .map(|(contact, &y)| contact.difference(&answer) * contact.pull + y)
             .collect();

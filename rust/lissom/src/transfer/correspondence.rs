@@ -1,6 +1,6 @@
 //! Correspondence: which places of the source and of the target belong together, in both directions.
 
-use super::image::Image;
+use super::image::SurfacePoint;
 use crate::{Error, Fault, Mesh, Result};
 
 /// What a fit finds, and all that a transfer needs; triangles as the input of the meshes counts them.
@@ -9,9 +9,9 @@ pub struct Correspondence {
     /// Source triangle and target triangle; many to many.
     pub pairs: Vec<[u32; 2]>,
     /// Where each target vertex lies on the source; may be empty.
-    pub images: Vec<Option<Image>>,
+    pub images: Vec<Option<SurfacePoint>>,
     /// Where each source vertex lies on the target; may be empty.
-    pub back_images: Vec<Option<Image>>,
+    pub back_images: Vec<Option<SurfacePoint>>,
 }
 
 impl Correspondence {
@@ -71,7 +71,7 @@ fn pairs_in_use(source: &Mesh, target: &Mesh, pairs: &[[u32; 2]]) -> Result<Vec<
 }
 
 /// `images` of the vertices of `of` on the triangles of `on`; none at all stand for each vertex having none.
-fn images_in_use(on: &Mesh, of: &Mesh, images: &[Option<Image>]) -> Result<Vec<Option<Image>>> {
+fn images_in_use(on: &Mesh, of: &Mesh, images: &[Option<SurfacePoint>]) -> Result<Vec<Option<SurfacePoint>>> {
     if images.is_empty() {
         return Ok(vec![None; of.vertices().len()]);
     }
@@ -85,9 +85,9 @@ fn images_in_use(on: &Mesh, of: &Mesh, images: &[Option<Image>]) -> Result<Vec<O
         return Err(Error::InvalidConstraint(fault));
     }
     let places = places(on);
-    let used = |image: &Option<Image>| {
+    let used = |image: &Option<SurfacePoint>| {
         let image = (*image)?;
-        places[image.triangle as usize].map(|triangle| Image { triangle, ..image })
+        places[image.triangle as usize].map(|triangle| SurfacePoint { triangle, ..image })
     };
     Ok(images.iter().map(used).collect())
 }

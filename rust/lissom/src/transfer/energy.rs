@@ -22,9 +22,9 @@ use crate::{Mesh, Result, Vec3};
 /// the gradients of slivers would drown all others.
 const LEAST_AREA: f64 = 1e-3;
 
-/// Weights of the energy's constant terms.
+/// TermWeights of the energy's constant terms.
 #[derive(Debug, Clone, Copy)]
-pub struct Weights {
+pub struct TermWeights {
     /// `w_S`
     pub smoothness: f64,
     /// `w_I`
@@ -69,7 +69,7 @@ impl Energy {
     /// # Errors
     ///
     /// [`crate::Error::SolveFailed`] where the system is too large to order.
-    pub fn new(mesh: &Mesh, size: f64, weights: Weights, fixed: &[Option<Vec3>]) -> Result<Self> {
+    pub fn new(mesh: &Mesh, size: f64, weights: TermWeights, fixed: &[Option<Vec3>]) -> Result<Self> {
         let (n, m) = (mesh.vertices().len(), mesh.triangles().len());
         let mut slot = vec![None; n + m];
         let free = (0..n + m).filter(|&u| u >= n || fixed[u].is_none());
@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn the_minimum_is_that_of_the_dense_system_with_explicit_fourth_vertices() {
-        let (mesh, size, weights) = (bumpy_grid(4), 1.7, Weights { smoothness: 1.0, identity: 0.05 });
+        let (mesh, size, weights) = (bumpy_grid(4), 1.7, TermWeights { smoothness: 1.0, identity: 0.05 });
         let (n, m) = (mesh.vertices().len(), mesh.triangles().len());
         let mut fixed = vec![None; n];
         fixed[0] = Some(Vec3::new(-0.9, -0.8, 0.1));

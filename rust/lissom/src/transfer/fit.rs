@@ -19,12 +19,12 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use super::component_pairs::{ComponentPairs, Overlap, triangle_components};
 use super::correspondence::Correspondence;
-use super::energy::{Energy, Weights};
-use super::image::{self, Image};
+use super::energy::{Energy, TermWeights};
+use super::image::{self, SurfacePoint};
 use super::markers::{self, Marker};
 use super::matching;
-use super::partners::{Overlap, Partners, triangle_components};
 use crate::geometry::rigid::Alignment;
 use crate::geometry::surface::{Hit, Surface};
 use crate::geometry::triangle::{normal_and_area, vertex_normals};
@@ -44,7 +44,7 @@ const EXTRAPOLATION: f64 = 0.8;
 /// than the nearest point of all by this fraction of the diagonal: thin sheets have both sides close.
 const FLIPPED: f64 = 0.01;
 
-/// A triangle is told of as stretched from here on: three times as long as the usual one, or a third as wide.
+/// A triangle is reported as stretched from here on: three times as long as the usual one, or a third as wide.
 pub const STRETCHED: f64 = 3.0;
 
 /// Vertices looked up between two looks at the job.
@@ -54,7 +54,7 @@ const BATCH: usize = 4096;
 const MOST_ROUNDS: f64 = 1000.0;
 
 options! {
-    /// What the fit may be told: `w_S`, `w_I` and the largest `w_C`, and how it goes about it.
+    /// Options of the fit: `w_S`, `w_I` and the largest `w_C`, and how it goes about it.
     #[derive(Debug, Clone, PartialEq)]
     pub struct FitOptions {
         /// Where on the target the source vertex of each marker belongs, where that is not at its vertices;
@@ -197,7 +197,7 @@ fn same(source: &Mesh, target: &Mesh, warnings: Vec<String>) -> Fit {
         let mut images = vec![None; mesh.vertices().len()];
         for (t, &triangle) in mesh.triangles().iter().zip(mesh.triangle_ids()) {
             for (corner, &v) in t.iter().enumerate() {
-                images[v as usize] = Some(Image { triangle, weights: Vec3::AXES[corner] });
+                images[v as usize] = Some(SurfacePoint { triangle, weights: Vec3::AXES[corner] });
             }
         }
         mesh.follow(&mut images);
@@ -241,7 +241,7 @@ fn pull(
             fixed[v] = Some(x[v]);
         }
     }
-    let weights = Weights { smoothness: options.smoothness, identity: options.identity };
+    let weights = TermWeights { smoothness: options.smoothness, identity: options.identity };
     let energy = Energy::new(source, size, weights, &fixed)?;
     job.check()?;
 
@@ -342,21 +342,21 @@ struct LookUp<'a> {
     target: &'a Mesh,
     onto: &'a Onto,
     component: Vec<u32>,
-    partners: Partners,
+    partners: ComponentPairs,
     /// How much further away the partner may be than the nearest surface.
     detour: f64,
 }
 
 impl<'a> LookUp<'a> {
     fn new(source: &'a Mesh, target: &'a Mesh, onto: &'a Onto, detour: f64) -> Self {
-        let partners = Partners::none([source.components().count(), target.components().count()]);
+        let partners = ComponentPairs::none([source.components().count(), target.components().count()]);
         Self { source, target, onto, component: triangle_components(target), partners, detour }
     }
 
     /// Finds out which components belong together, from the vertices at `x`.
     fn find_partners(&mut self, x: &[Vec3], job: &Job) -> Result<()> {
         let counts = [self.source.components().count(), self.target.components().count()];
-        self.partners = Partners::none(counts);
+        self.partners = ComponentPairs::none(counts);
         if counts == [1, 1] {
             return Ok(());
         }
@@ -422,8 +422,8 @@ fn conclude(
 
     let fitted = Surface::of(source.triangles(), x);
     let sides = [
-        matching::Side::new(source, x, &fitted, &onto.masked_source),
-        matching::Side::new(target, target.rest(), &onto.surface, &onto.masked_target),
+        matching::FittedMesh::new(source, x, &fitted, &onto.masked_source),
+        matching::FittedMesh::new(target, target.rest(), &onto.surface, &onto.masked_target),
     ];
     let flipped = flipped(&sides[0], &onto.surface);
     report.flipped_triangles = flipped.len();
@@ -468,7 +468,7 @@ fn conclude(
     let mut distances: Vec<f64> =
         hits.iter().map(|h| h.map_or(f64::NAN, |h| h.distance * frame.scale)).collect();
     source.follow(&mut distances);
-    let from_image = |(image, &p): (&Option<Image>, &Vec3)| match image {
+    let from_image = |(image, &p): (&Option<SurfacePoint>, &Vec3)| match image {
         Some(image) => {
             let corners = source.triangles()[image.triangle as usize].map(|v| x[v as usize]);
             image.blend(corners).distance(p) * frame.scale
@@ -491,7 +491,7 @@ fn conclude(
 }
 
 /// Images of the vertices of `of` on `on` as the inputs of the meshes count.
-fn as_given(mut images: Vec<Option<Image>>, on: &Mesh, of: &Mesh) -> Vec<Option<Image>> {
+fn as_given(mut images: Vec<Option<SurfacePoint>>, on: &Mesh, of: &Mesh) -> Vec<Option<SurfacePoint>> {
     of.follow(&mut images);
     for image in images.iter_mut().flatten() {
         image.triangle = on.triangle_ids()[image.triangle as usize];
@@ -524,7 +524,7 @@ fn singular_values(rest: [Vec3; 3], posed: [Vec3; 3]) -> [f64; 2] {
 }
 
 /// Fitted triangles whose place on the target faces the other way.
-fn flipped(source: &matching::Side, target: &Surface) -> Vec<usize> {
+fn flipped(source: &matching::FittedMesh, target: &Surface) -> Vec<usize> {
     let fitted = source.surface();
     let is_flipped = |t: &usize| {
         if source.is_masked(*t) {

@@ -5,11 +5,11 @@
 //! triangles by their centroids, which shifts every key by up to half a triangle.)
 //!
 //! The image of a vertex is the closest point of the fitted source that faces the same way, in the partner of
-//! its component where that has one ([`super::partners`]).
+//! its component where that has one ([`super::component_pairs`]).
 
 use rayon::prelude::*;
 
-use super::matching::Side;
+use super::matching::FittedMesh;
 use crate::geometry::surface::Surface;
 use crate::geometry::triangle::vertex_normals;
 use crate::{Job, Result, Vec3};
@@ -19,14 +19,14 @@ const BATCH: usize = 4096;
 
 /// A point of the source's surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Image {
+pub struct SurfacePoint {
     /// The source triangle, as the input of the mesh counts them.
     pub triangle: u32,
     /// How much each of its corners counts; they add up to 1.
     pub weights: Vec3,
 }
 
-impl Image {
+impl SurfacePoint {
     /// What `values` at the corners of the triangle are at this point.
     pub fn blend(&self, values: [Vec3; 3]) -> Vec3 {
         values[0] * self.weights.x + values[1] * self.weights.y + values[2] * self.weights.z
@@ -41,12 +41,12 @@ impl Image {
 ///
 /// [`crate::Error::Cancelled`].
 pub fn images(
-    on: &Side,
-    of: &Side,
+    on: &FittedMesh,
+    of: &FittedMesh,
     partner: &[Option<u32>],
     reach: f64,
     job: &Job,
-) -> Result<Vec<Option<Image>>> {
+) -> Result<Vec<Option<SurfacePoint>>> {
     let mesh = of.mesh();
     let normals = vertex_normals(mesh.triangles(), of.positions());
     let surface: &Surface = on.surface();
@@ -58,7 +58,10 @@ pub fn images(
         let of_partner = |s: usize| partner[component].is_none_or(|partner| on.component(s) == partner);
         let accept = |s: usize| !on.is_masked(s) && of_partner(s);
         let hit = surface.closest_compatible_point_on(of.positions()[v], normals[v], reach, accept)?;
-        Some(Image { triangle: hit.triangle as u32, weights: surface.weights(hit.triangle, hit.point) })
+        Some(SurfacePoint {
+            triangle: hit.triangle as u32,
+            weights: surface.weights(hit.triangle, hit.point),
+        })
     };
     let count = mesh.rest().len();
     let mut found = Vec::with_capacity(count);

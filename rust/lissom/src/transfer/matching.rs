@@ -4,12 +4,12 @@
 //! other whose centroid is nearest, among those that face the same way, if the surface is within
 //! reach (Sumner & Popović 2004, section 4.3).
 //!
-//! A triangle whose component has a partner ([`super::partners`]) within reach is matched there, although
+//! A triangle whose component has a partner ([`super::component_pairs`]) within reach is matched there, although
 //! another component may be nearer.
 
 use rayon::prelude::*;
 
-use super::partners::{Overlap, Partners, triangle_components};
+use super::component_pairs::{ComponentPairs, Overlap, triangle_components};
 use crate::geometry::surface::Surface;
 use crate::{Job, Mesh, Result, Vec3};
 
@@ -17,7 +17,7 @@ use crate::{Job, Mesh, Result, Vec3};
 const BATCH: usize = 4096;
 
 /// One of the two meshes, where the fit has put it.
-pub struct Side<'a> {
+pub struct FittedMesh<'a> {
     mesh: &'a Mesh,
     positions: &'a [Vec3],
     surface: &'a Surface,
@@ -31,7 +31,7 @@ pub struct Side<'a> {
 /// For each triangle, its match.
 type Matches = Vec<Option<u32>>;
 
-impl<'a> Side<'a> {
+impl<'a> FittedMesh<'a> {
     /// `surface` holds the triangles of `mesh` at their fitted `positions`.
     /// `masked_vertex` are left out on both sides of every match.
     pub fn new(
@@ -76,7 +76,7 @@ impl<'a> Side<'a> {
 
     /// The match of every triangle in `other`; in the partner of its component where that is within
     /// reach.
-    fn nearest(&self, other: &Side, partner: &[Option<u32>], reach: f64, job: &Job) -> Result<Matches> {
+    fn nearest(&self, other: &FittedMesh, partner: &[Option<u32>], reach: f64, job: &Job) -> Result<Matches> {
         let count = self.component.len();
         let mut found = Vec::with_capacity(count);
         for start in (0..count).step_by(BATCH) {
@@ -115,13 +115,13 @@ pub fn masked_triangles(mesh: &Mesh, vertices: &[bool]) -> Vec<bool> {
 ///
 /// [`crate::Error::Cancelled`].
 pub fn match_triangles(
-    source: &Side,
-    target: &Side,
+    source: &FittedMesh,
+    target: &FittedMesh,
     reach: f64,
     job: &Job,
-) -> Result<(Vec<[u32; 2]>, Partners)> {
+) -> Result<(Vec<[u32; 2]>, ComponentPairs)> {
     let counts = [source, target].map(|side| side.mesh.components().count());
-    let mut partners = Partners::none(counts);
+    let mut partners = ComponentPairs::none(counts);
     let mut of_source = source.nearest(target, &partners.of_source, reach, job)?;
     let mut of_target = target.nearest(source, &partners.of_target, reach, job)?;
     if counts != [1, 1] {

@@ -21,11 +21,12 @@
 //! | `E_S`, `E_I`, `E_C` | smoothness, identity and closest-point terms of the fit, with weights `w` |
 //! | `c_v` | closest compatible point: the nearest whose normal is within 90 degrees (`closest`) |
 //! | image | where a target vertex lies on the fitted source (`image`) |
-//! | still | a triangle whose vertices a key does not move; a vertex of none but such matches |
+//! | stationary | a triangle whose vertices a key does not move; a vertex of none but such matches |
 
 mod anchor;
 pub mod apply;
 mod choose;
+mod component_pairs;
 pub mod contact;
 mod correspondence;
 mod energy;
@@ -35,7 +36,6 @@ mod markers;
 mod matching;
 mod obstacle;
 mod options;
-mod partners;
 mod place;
 pub mod quality;
 #[cfg(test)]
@@ -44,6 +44,6 @@ mod testing;
 pub use apply::{Transfer, Transferred};
 pub use correspondence::Correspondence;
 pub use fit::{Fit, FitOptions, FitReport, fit_correspondence};
-pub use image::Image;
+pub use image::SurfacePoint;
 pub use options::{TransferOptions, Unmatched, Weighting};
 pub use quality::KeyQuality;

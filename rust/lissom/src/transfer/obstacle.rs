@@ -15,7 +15,7 @@
 
 use rayon::prelude::*;
 
-use crate::geometry::solid::{Side, Solid};
+use crate::geometry::solid::{SignedDistance, Solid};
 use crate::{Mesh, Vec3};
 
 /// How far outside vertices are kept, a fraction of the target's diagonal: their triangles are then outside too.
@@ -83,7 +83,7 @@ impl Obstacle {
     }
 
     /// What `values` at the vertices of the mesh are at a place of this surface.
-    fn blend(&self, side: &Side, values: &[Vec3]) -> Vec3 {
+    fn blend(&self, side: &SignedDistance, values: &[Vec3]) -> Vec3 {
         let corners = self.triangles[side.hit.triangle].map(|place| self.vertices[place as usize]);
         (0..3).map(|k| values[corners[k] as usize] * side.weights[k]).sum()
     }

@@ -1,4 +1,4 @@
-//! What a transfer may be told.
+//! Options of a transfer.
 
 use crate::options::{choices, options};
 
@@ -23,7 +23,7 @@ choices! {
 }
 
 options! {
-    /// What a transfer may be told ([`super::anchor`], [`super::contact`]).
+    /// Options of a transfer ([`super::anchor`], [`super::contact`]).
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct TransferOptions {
         /// What components of the target do that no part of the source matches, such as eyes and teeth.

@@ -1,7 +1,7 @@
 //! Place: the translation that stitching leaves open, one connected component at a time.
 //!
-//! * Vertices whose matches do not move stay put exactly. Stitching lets them drift a little, since
-//!   targets rarely fit together; the drift is taken out, and smoothed over a few rings around them
+//! * Vertices whose matches do not move stay put exactly. Stitching moves them a little, since
+//!   targets rarely fit together; the error is taken out, and smoothed over a few rings around them
 //!   by the same Laplacian, so that no step shows.
 //! * A component with images is where its anchors put it ([`super::anchor`]).
 //! * Any other without such a vertex follows the centroid of its matches: the displacement of the
@@ -17,20 +17,20 @@ use crate::geometry::surface::Surface;
 use crate::linear::SymmetricMatrix;
 use crate::{Mesh, Vec3};
 
-/// Rings around the vertices at rest over which their drift is smoothed out.
+/// Rings around the vertices at rest over which their error is smoothed out.
 const RINGS: u32 = 8;
 
-/// Times that the drift is smoothed, forth and back.
+/// Times that the error is smoothed, forth and back.
 const SWEEPS: usize = 2;
 
 /// What is needed to place the components of a target.
 pub struct Placer {
-    parts: Vec<Part>,
+    parts: Vec<PlacedComponent>,
     /// Full rows of the stitching matrix, for the smoothing.
     rows: Rows<(u32, f64)>,
 }
 
-struct Part {
+struct PlacedComponent {
     vertices: Vec<u32>,
     triangles: Vec<u32>,
     /// Size of the component over the size of its matches, both in unit coordinates.
@@ -51,14 +51,14 @@ impl Placer {
         anchors: &Anchors,
         unmatched: Unmatched,
     ) -> Self {
-        let mut parts: Vec<Part> = target
+        let mut parts: Vec<PlacedComponent> = target
             .components()
             .members()
             .into_iter()
             .enumerate()
             .map(|(c, vertices)| {
                 let anchored = anchors.hold(c);
-                Part { vertices, triangles: Vec::new(), size: 1.0, anchored, beside: None }
+                PlacedComponent { vertices, triangles: Vec::new(), size: 1.0, anchored, beside: None }
             })
             .collect();
         for (t, corners) in (0u32..).zip(target.triangles()) {
@@ -80,8 +80,9 @@ impl Placer {
     }
 
     fn find_neighbours(&mut self, target: &Mesh, chooser: &Chooser, unmatched: Unmatched) {
-        let has_match =
-            |part: &Part| part.anchored || part.triangles.iter().any(|&t| chooser.is_told(t as usize));
+        let has_match = |part: &PlacedComponent| {
+            part.anchored || part.triangles.iter().any(|&t| chooser.has_target(t as usize))
+        };
         let corners = |t: &u32| target.triangles()[*t as usize];
         let matched: Vec<[u32; 3]> = self
             .parts
@@ -118,22 +119,23 @@ impl Placer {
         for (corners, _) in target.triangles().iter().zip(moves).filter(|(_, moves)| **moves) {
             corners.iter().for_each(|&v| at_rest[v as usize] = false);
         }
-        let mut all_still = Vec::new();
+        let mut all_stationary = Vec::new();
         for part in self.parts.iter().filter(|part| part.beside.is_none()) {
-            let still: Vec<u32> = part.vertices.iter().copied().filter(|&v| at_rest[v as usize]).collect();
+            let stationary: Vec<u32> =
+                part.vertices.iter().copied().filter(|&v| at_rest[v as usize]).collect();
             let shift = if part.anchored {
                 Vec3::ZERO
-            } else if still.is_empty() {
+            } else if stationary.is_empty() {
                 part.centroid_shift(target, chooser, key, displacements)
             } else {
-                still.iter().map(|&v| -displacements[v as usize]).sum::<Vec3>() / still.len() as f64
+                stationary.iter().map(|&v| -displacements[v as usize]).sum::<Vec3>() / stationary.len() as f64
             };
             for &v in &part.vertices {
                 displacements[v as usize] += shift;
             }
-            all_still.extend(still);
+            all_stationary.extend(stationary);
         }
-        self.settle(&all_still, &at_rest, displacements);
+        self.settle(&all_stationary, &at_rest, displacements);
         for part in &self.parts {
             if let Some(beside) = &part.beside {
                 part.follow(target, beside, displacements);
@@ -144,10 +146,10 @@ impl Placer {
     /// Puts the vertices at rest exactly there and smooths what that does to their surroundings: a correction
     /// `z` that fades out over a few rings, and there comes near `L z = 0` by sweeps of Gauss and Seidel. They
     /// take steps out first, and steps are all that must not show.
-    fn settle(&self, still: &[u32], at_rest: &[bool], displacements: &mut [Vec3]) {
-        let band = self.band(still, at_rest);
+    fn settle(&self, stationary: &[u32], at_rest: &[bool], displacements: &mut [Vec3]) {
+        let band = self.band(stationary, at_rest);
         let mut z = vec![Vec3::ZERO; displacements.len()];
-        for &v in still {
+        for &v in stationary {
             z[v as usize] = -displacements[v as usize];
         }
         let mut known = at_rest.to_vec();
@@ -168,7 +170,7 @@ impl Placer {
         for &v in band.iter().flatten() {
             displacements[v as usize] += z[v as usize];
         }
-        for &v in still {
+        for &v in stationary {
             displacements[v as usize] = Vec3::ZERO;
         }
     }
@@ -189,8 +191,8 @@ impl Placer {
     }
 
     /// The vertices within [`RINGS`] of those at rest, ring by ring.
-    fn band(&self, still: &[u32], at_rest: &[bool]) -> Vec<Vec<u32>> {
-        if still.is_empty() {
+    fn band(&self, stationary: &[u32], at_rest: &[bool]) -> Vec<Vec<u32>> {
+        if stationary.is_empty() {
             return Vec::new();
         }
         let beside =
@@ -217,9 +219,9 @@ impl Placer {
     }
 }
 
-impl Part {
-    /// Root mean square spread of the matched triangles' centroids on the target over that of their
-    /// matches; 1 where there is no spread.
+impl PlacedComponent {
+    /// Root mean square size of the matched triangles' centroids on the target over that of their
+    /// matches; 1 where they are in one place.
     fn size_ratio(&self, source: &Mesh, target: &Mesh, chooser: &Chooser) -> f64 {
         let centroid = |mesh: &Mesh, t: u32| {
             mesh.triangles()[t as usize].iter().map(|&v| mesh.rest()[v as usize]).sum::<Vec3>() / 3.0

@@ -101,11 +101,11 @@ impl Transfer {
                 asked += weight * wanted.length_squared();
             }
             let normal = target.normals()[t];
-            let told = Mat3::IDENTITY + change;
+            let target_gradient = Mat3::IDENTITY + change;
             let a = normal.any_orthonormal_vector();
-            let told_normal = (told * a).cross(told * normal.cross(a));
+            let target_normal = (target_gradient * a).cross(target_gradient * normal.cross(a));
             let (posed_normal, _) = normal_and_area([at[0] + d[0], at[1] + d[1], at[2] + d[2]]);
-            (off, asked, usize::from(told_normal.dot(posed_normal) < 0.0))
+            (off, asked, usize::from(target_normal.dot(posed_normal) < 0.0))
         };
         let all: Vec<_> = (0..changes.len()).into_par_iter().map(of).collect();
         let add = |a: (f64, f64, usize), b: &(f64, f64, usize)| (a.0 + b.0, a.1 + b.1, a.2 + b.2);

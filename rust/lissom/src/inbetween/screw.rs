@@ -21,12 +21,12 @@ const STRAIGHT: f64 = 1e-9;
 
 /// A screw, by its rotation vector and the arm `u` from the axis to the centroid.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Drift {
+pub(super) struct Screw {
     turn: Vec3,
     arm: Vec3,
 }
 
-impl Drift {
+impl Screw {
     /// The screw of some vertices that go from `a` to `b`, in units that share a scale but not an origin, where the origin of `b`
     /// is `apart` from that of `a`.
     pub fn of(vertices: &[u32], a: &[Vec3], b: &[Vec3], apart: Vec3) -> Self {

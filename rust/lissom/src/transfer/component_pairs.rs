@@ -15,7 +15,7 @@ pub struct Overlap {
 }
 
 /// The partner of each component; `None` for those that have none.
-pub struct Partners {
+pub struct ComponentPairs {
     pub of_source: Vec<Option<u32>>,
     pub of_target: Vec<Option<u32>>,
 }
@@ -26,7 +26,7 @@ pub fn triangle_components(mesh: &Mesh) -> Vec<u32> {
     mesh.triangles().iter().map(component).collect()
 }
 
-impl Partners {
+impl ComponentPairs {
     /// Nobody has a partner.
     pub fn none([sources, targets]: [usize; 2]) -> Self {
         Self { of_source: vec![None; sources], of_target: vec![None; targets] }
@@ -45,11 +45,11 @@ impl Overlap {
     }
 
     /// Components that prefer each other.
-    pub fn partners(self) -> Partners {
+    pub fn partners(self) -> ComponentPairs {
         let mut sorted: Vec<([u32; 2], f64)> = self.common.into_iter().collect();
         // Ties by number, so that the outcome does not depend on the order of the map.
         sorted.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-        let mut best = Partners::none(self.counts);
+        let mut best = ComponentPairs::none(self.counts);
         for &([s, t], _) in &sorted {
             best.of_source[s as usize].get_or_insert(t);
             best.of_target[t as usize].get_or_insert(s);
@@ -58,7 +58,7 @@ impl Overlap {
             let returned = |(i, b): (usize, &Option<u32>)| b.filter(|&b| other[b as usize] == Some(i as u32));
             best.iter().enumerate().map(returned).collect()
         };
-        Partners {
+        ComponentPairs {
             of_source: mutual(&best.of_source, &best.of_target),
             of_target: mutual(&best.of_target, &best.of_source),
         }
