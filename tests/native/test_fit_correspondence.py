@@ -56,12 +56,6 @@ def test_it_does_not_depend_on_units_or_place(mesh):
     assert len(other.pairs) == pytest.approx(len(plain.pairs), rel=0.02)
 
 
-def test_a_job_returns_what_the_call_returns(mesh):
-    job = lissom.start_fit(mesh, mesh, MARKERS)
-    assert np.array_equal(job.result().pairs, lissom.fit_correspondence(mesh, mesh, MARKERS).pairs)
-    assert job.progress[0] == 1.0
-
-
 @pytest.mark.parametrize(
     ("markers", "text"),
     [
@@ -132,7 +126,7 @@ def test_row_40_cancel_within_a_fifth_of_a_second(data):
         with pytest.raises(lissom.Cancelled):
             job.result()
         taken.append(time.perf_counter() - begin)
-    assert min(taken) < 0.2
+    assert max(taken) < 0.2
 
 
 @pytest.mark.parametrize(

@@ -103,7 +103,6 @@ def test_keys_do_not_depend_on_their_company(tubes):
     keys = np.stack([moved(rigid((0, 0, 1), 0.1 * k), VERTICES) for k in range(19)])
     together = transfer.apply(keys).vertices
     assert np.abs(transfer.apply(keys[7:8]).vertices[0] - together[7]).max() < 1e-9
-    assert np.array_equal(transfer.start(keys).result().vertices, together)
     assert transfer.apply(np.zeros((0, *VERTICES.shape))).vertices.shape == (0, *together.shape[1:])
 
 
@@ -177,15 +176,6 @@ def test_row_09_pairs_that_cannot_be_used(pairs, text):
     mesh = lissom.Mesh(VERTICES, FACES)
     with pytest.raises(lissom.InvalidConstraint, match=text):
         lissom.Transfer(mesh, mesh, pairs)
-
-
-def test_a_transfer_prepared_in_the_background():
-    mesh = lissom.Mesh(VERTICES, FACES)
-    key = VERTICES + np.sin(VERTICES)
-    here = lissom.Transfer(mesh, mesh, SAME).apply([key]).vertices
-    there = lissom.start_transfer(mesh, mesh, SAME).result()
-    assert np.array_equal(there.apply([key]).vertices, here)
-    assert there.apply([]).vertices.shape == (0, len(VERTICES), 3)
 
 
 def spoiled(vertices, faces, how):
