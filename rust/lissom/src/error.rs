@@ -83,6 +83,17 @@ pub enum Error {
     Cancelled,
 }
 
+impl Error {
+    /// The same fault by the name that the caller knows the argument by.
+    pub(crate) fn renamed(self, argument: impl Into<String>) -> Self {
+        let renamed = |fault: Fault| Fault { argument: argument.into(), ..fault };
+        match self {
+            Self::InvalidMesh(fault) | Self::InvalidValue(fault) => Self::InvalidValue(renamed(fault)),
+            other => other,
+        }
+    }
+}
+
 /// Bytes, in a unit that suits them.
 fn amount(bytes: u64) -> String {
     let bytes = bytes as f64;

@@ -11,6 +11,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::geometry::matrix::norm_squared;
 use crate::{Mat3, Vec3};
 
 /// Smallest `(s1 + s2) (s1 + s3) (s2 + s3) / |M|^3` for which the derivative of the root is used; its largest
@@ -25,7 +26,7 @@ const RANK_TOLERANCE: f64 = 1e-14;
 /// The zero matrix, and any matrix that is not finite, gives the identity. Where several rotations
 /// are equally near (rank one, or a tie under reflection), one of them.
 pub fn nearest_rotation(m: Mat3) -> Mat3 {
-    let norm = m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
+    let norm = norm_squared(m).sqrt();
     if !norm.is_finite() || norm < f64::MIN_POSITIVE {
         return Mat3::IDENTITY;
     }
@@ -46,7 +47,7 @@ pub fn polar(m: Mat3) -> (Mat3, Mat3) {
 fn root_rotation(m: Mat3) -> Option<Mat3> {
     let cofactors = cofactors(m);
     let determinant = m.x_axis.dot(cofactors.x_axis);
-    let squares = frobenius_squared(cofactors);
+    let squares = norm_squared(cofactors);
     // The root for determinant 0. The polynomial is convex from there on.
     let mut root = (1.0 + 2.0 * squares.sqrt()).sqrt();
     // A quarter of the slope, half the product of the three sums of two singular values.
@@ -73,10 +74,6 @@ fn root_rotation(m: Mat3) -> Option<Mat3> {
 fn cofactors(m: Mat3) -> Mat3 {
     let (a, b, c) = (m.x_axis, m.y_axis, m.z_axis);
     Mat3::from_cols(b.cross(c), c.cross(a), a.cross(b))
-}
-
-fn frobenius_squared(m: Mat3) -> f64 {
-    m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared()
 }
 
 /// One-sided Jacobi: `m V = U diag(s)`; only the last axis may have to be flipped or invented.
@@ -200,7 +197,7 @@ mod tests {
     }
 
     fn distance(a: Mat3, b: Mat3) -> f64 {
-        frobenius_squared(a - b).sqrt()
+        norm_squared(a - b).sqrt()
     }
 
     fn assert_rotation(r: Mat3) {

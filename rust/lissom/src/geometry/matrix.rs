@@ -16,3 +16,8 @@ pub fn dot(a: Mat3, b: Mat3) -> f64 {
 pub fn trace(a: Mat3) -> f64 {
     a.x_axis.x + a.y_axis.y + a.z_axis.z
 }
+
+/// `|a|_F^2`.
+pub fn norm_squared(a: Mat3) -> f64 {
+    dot(a, a)
+}

@@ -5,11 +5,11 @@
 
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
-use parry3d_f64::query::PointQuery;
-use parry3d_f64::shape::Triangle;
+use parry3d_f64::query::{PointQuery, PointQueryWithLocation};
+use parry3d_f64::shape::{Triangle, TrianglePointLocation};
 
+use crate::Vec3;
 use crate::geometry::triangle::normal_and_area;
-use crate::{Mesh, Vec3};
 
 /// Triangles in a bounding volume hierarchy.
 pub struct Surface {
@@ -38,9 +38,9 @@ impl Surface {
         Self { tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes), corners, normals }
     }
 
-    /// The surface of `mesh` with its vertices at `positions`.
-    pub fn of(mesh: &Mesh, positions: &[Vec3]) -> Self {
-        Self::new(mesh.triangles().iter().map(|t| t.map(|v| positions[v as usize])).collect())
+    /// The surface of `triangles` with the vertices at `positions`.
+    pub fn of(triangles: &[[u32; 3]], positions: &[Vec3]) -> Self {
+        Self::new(triangles.iter().map(|t| t.map(|v| positions[v as usize])).collect())
     }
 
     /// Unit normals of the triangles.
@@ -54,19 +54,10 @@ impl Surface {
         (a + b + c) / 3.0
     }
 
-    /// Barycentric coordinates of a point of a triangle; those of its first corner where it has no area.
+    /// Barycentric coordinates of the point of a triangle that is nearest to `point`.
     pub fn weights(&self, triangle: usize, point: Vec3) -> Vec3 {
         let [a, b, c] = self.corners[triangle];
-        let (u, v, p) = (b - a, c - a, point - a);
-        let (uu, uv, vv, up, vp) = (u.dot(u), u.dot(v), v.dot(v), u.dot(p), v.dot(p));
-        let area = uu * vv - uv * uv;
-        if area <= f64::MIN_POSITIVE {
-            return Vec3::X;
-        }
-        let (y, z) = ((vv * up - uv * vp) / area, (uu * vp - uv * up) / area);
-        let y = y.clamp(0.0, 1.0);
-        let z = z.clamp(0.0, 1.0 - y);
-        Vec3::new(1.0 - y - z, y, z)
+        weights(Triangle::new(a, b, c).project_local_point_and_get_location(point, false).1)
     }
 
     /// The nearest point of all; `None` for a surface without triangles or a point that is not finite.
@@ -130,6 +121,12 @@ impl Surface {
         let (t, (squared, found)) = self.tree.find_best(reach * reach, to_box, to_triangle)?;
         Some(Hit { triangle: t as usize, point: found, distance: squared.sqrt() })
     }
+}
+
+/// Barycentric coordinates of a place on a triangle.
+pub(super) fn weights(location: TrianglePointLocation) -> Vec3 {
+    // Only a solid has places that are on no triangle.
+    location.barycentric_coordinates().map_or(Vec3::X, |weights| Vec3::from(weights).max(Vec3::ZERO))
 }
 
 #[cfg(test)]

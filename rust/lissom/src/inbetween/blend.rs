@@ -15,24 +15,17 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::branches::{self, Neighbours};
-use super::elements::{Asked, Elements, Hats};
-use super::{moved_corners, rotations, shape_frame};
-use crate::geometry::triangle::TriangleGeometry;
-use crate::linear::REGULARIZED;
-use crate::operators::hats_of;
+use super::branches::Turn;
+use super::shapes::{Asked, Shapes};
+use crate::stitch::Hats;
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, memory, rotation};
 
 /// Several shapes of a mesh, factored once and combined at any weights.
 #[derive(Debug)]
 pub struct Blend {
-    elements: Elements,
-    /// `start` and then the shapes, in the mesh's own units and in unit coordinates.
-    shapes: Vec<Vec<Vec3>>,
-    unit: Vec<Vec<Vec3>>,
-    scale: f64,
-    weights: Vec<[f64; 3]>,
-    /// Rotation vectors of each shape.
+    /// `start` and then the shapes.
+    shapes: Shapes,
+    /// Rotation vectors of each shape but the first.
     turns: Vec<Vec<Vec3>>,
     turning: Vec<bool>,
     refinement: usize,
@@ -53,51 +46,26 @@ impl Blend {
         job: &Job,
     ) -> Result<Self> {
         let (n, m) = (mesh.vertices().len() as u128, mesh.triangles().len() as u128);
-        memory::check("the shapes to blend", size_of::<Vec3>() as u128 * (2 * n + m) * shapes.len() as u128)?;
-        let mut frames = vec![shape_frame("start", &mesh, start)?];
-        for (k, shape) in shapes.iter().enumerate() {
-            frames.push(shape_frame(&format!("shapes[{k}]"), &mesh, shape)?);
-        }
-        let scale = frames.iter().map(|frame| frame.scale).fold(0.0, f64::max);
-        let shapes: Vec<Vec<Vec3>> = std::iter::once(start.to_vec()).chain(shapes.iter().cloned()).collect();
-        let unit: Vec<Vec<Vec3>> = (shapes.iter().zip(&frames))
-            .map(|(shape, frame)| shape.iter().map(|&p| (p - frame.center) / scale).collect())
-            .collect();
-        let mut weights = vec![[0.0; 3]; mesh.triangles().len()];
-        let (mut turns, mut turning, mut warnings) = (Vec::new(), vec![true; weights.len()], Vec::new());
-        for (k, shape) in unit.iter().enumerate() {
-            job.report(k as f64 / unit.len() as f64, "rotations");
+        let bytes = size_of::<Vec3>() as u128 * (2 * n + 4 * m) * (shapes.len() + 1) as u128;
+        memory::check("the shapes to blend", bytes)?;
+        let mut named = vec![("start".to_owned(), start)];
+        named.extend(shapes.iter().enumerate().map(|(k, shape)| (format!("shapes[{k}]"), shape.as_slice())));
+        let shapes = Shapes::new(mesh, &named, job)?;
+        let mut turning = vec![true; shapes.mesh().triangles().len()];
+        let (mut turns, mut warnings) = (Vec::new(), shapes.warnings.clone());
+        for k in 1..named.len() {
+            job.report(0.5 + 0.5 * k as f64 / named.len() as f64, "rotations");
             job.check()?;
-            let share = 1.0 / unit.len() as f64;
-            for (sum, w) in
-                weights.iter_mut().zip(TriangleGeometry::of(shape, mesh.triangles()).half_cotangents)
-            {
-                (0..3).for_each(|c| sum[c] += share * w[c]);
-            }
-            if k == 0 {
-                continue;
-            }
-            let motions = rotations::motions(&mesh, &unit[0], shape);
-            let neighbours = Neighbours::of(&mesh, &motions);
-            let still: Vec<bool> = shapes[0].iter().zip(&shapes[k]).map(|(p, q)| p == q).collect();
-            let (found, _) = branches::consistent(&neighbours, &motions, &moved_corners(&mesh, &still), job)?;
-            turns.push(
-                (found.par_iter())
-                    .map(|turn| rotation::nearest_branch(rotation::log(turn.at(1.0)), turn.omega()))
-                    .collect(),
-            );
-            turning.iter_mut().zip(&motions).for_each(|(turns, m)| *turns &= m.rotation().is_some());
-            let ids = neighbours.inverted(&motions).map(|t| mesh.triangle_ids()[t] as usize);
+            let found = shapes.turns(k, true, job)?;
+            let vector = |turn: &Turn| rotation::nearest_branch(rotation::log(turn.at(1.0)), turn.omega());
+            turns.push(found.turns.par_iter().map(vector).collect());
+            turning.iter_mut().zip(&found.motions).for_each(|(turns, m)| *turns &= m.rotation().is_some());
             let problem = "triangles that turn over against their neighbours between start and this shape";
-            let fault = Fault::at(format!("shapes[{}]", k - 1), problem, ids);
+            let fault = Fault::at(named[k].0.as_str(), problem, found.inverted);
             warnings.extend(fault.map(|fault| fault.to_string()));
         }
-        let still: Vec<bool> =
-            (0..start.len()).map(|v| shapes.iter().all(|shape| shape[v] == start[v])).collect();
-        let elements = Elements::new(mesh, &weights, &still, job)?;
-        warnings.extend(elements.system.factor().is_regularized().then(|| REGULARIZED.into()));
         job.report(1.0, "ready");
-        Ok(Self { elements, shapes, unit, scale, weights, turns, turning, refinement, warnings })
+        Ok(Self { shapes, turns, turning, refinement, warnings })
     }
 
     /// What is doubtful: triangles that turn over.
@@ -123,27 +91,25 @@ impl Blend {
         let used: Vec<(usize, f64)> =
             weights.iter().copied().enumerate().filter(|(_, a)| *a != 0.0).collect();
         match used[..] {
-            [] => return Ok(self.shapes[0].clone()),
-            [(k, 1.0)] => return Ok(self.shapes[k + 1].clone()),
+            [] => return Ok(self.shapes.given[0].clone()),
+            [(k, 1.0)] => return Ok(self.shapes.given[k + 1].clone()),
             _ => {}
         }
         let turn = |t: usize| rotation::exp(used.iter().map(|&(k, a)| self.turns[k][t] * a).sum());
-        let rotations: Vec<Mat3> = (0..self.weights.len()).into_par_iter().map(turn).collect();
-        let hats = |t: usize| -> (Hats, Hats) {
-            let of = |shape: &[Vec3]| {
-                hats_of(self.elements.mesh.triangles()[t].map(|v| shape[v as usize]), self.weights[t])
-            };
-            let start = of(&self.unit[0]);
+        let change = |t: usize| turn(t) - Mat3::IDENTITY;
+        let changes: Vec<Mat3> = (0..self.turning.len()).into_par_iter().map(change).collect();
+        let hats = |t: usize| -> [Hats; 2] {
+            let start = self.shapes.hats(0, t);
             let (mut stretched, mut line) = (start, start);
             for &(k, a) in &used {
                 let back = rotation::exp(self.turns[k][t]).transpose();
-                let shape = of(&self.unit[k + 1]);
+                let shape = self.shapes.hats(k + 1, t);
                 for c in 0..3 {
                     stretched[c] += (back * shape[c] - start[c]) * a;
                     line[c] += (shape[c] - start[c]) * a;
                 }
             }
-            (stretched, line)
+            [stretched, [0, 1, 2].map(|c| stretched[c] - line[c])]
         };
         let sum = |shapes: &[Vec<Vec3>]| -> Vec<Vec3> {
             let at = |v: usize| {
@@ -151,9 +117,10 @@ impl Blend {
             };
             (0..shapes[0].len()).map(at).collect()
         };
-        let asked = [Asked { hats, rotations, line: sum(&self.unit), drift: Vec::new() }];
-        let y = self.elements.stitch(&asked, self.refinement, |t| self.turning[t], job)?.remove(0);
-        let x: Vec<Vec3> = sum(&self.shapes).iter().zip(y).map(|(&x, y)| x + y * self.scale).collect();
+        let asked = [Asked { hats, changes, line: sum(&self.shapes.unit), drift: Vec::new() }];
+        let y = self.shapes.stitch(&asked, self.refinement, |t| self.turning[t], job)?.remove(0);
+        let x: Vec<Vec3> =
+            sum(&self.shapes.given).iter().zip(y).map(|(&x, y)| x + y * self.shapes.scale).collect();
         if x.iter().all(|p| p.is_finite()) {
             return Ok(x);
         }

@@ -32,6 +32,9 @@ use std::f64::consts::{PI, TAU};
 use rayon::prelude::*;
 
 use super::rotations::Motion;
+use crate::geometry::groups::Groups;
+use crate::geometry::matrix::norm_squared;
+use crate::geometry::rows::Rows;
 use crate::{Job, Mat3, Mesh, Result, Vec3, rotation};
 
 /// `|R - R'|_F^2` of 60 degrees: neighbours that turn apart by less are of one region. Between 45 and
@@ -195,7 +198,7 @@ impl Walk<'_> {
 fn drop_unpaid(neighbours: &Neighbours, motions: &[Motion], turns: &mut [Turn]) {
     let beyond: Vec<bool> = turns.iter().map(|turn| turn.angle.abs() > PI).collect();
     let within = |a: usize, b: usize| beyond[a] && beyond[b];
-    for patch in neighbours.patches(|t, s, _| within(t, s)) {
+    for patch in neighbours.patches(|t, s, _| within(t, s)).iter() {
         if !beyond[patch[0] as usize] {
             continue;
         }
@@ -224,15 +227,12 @@ fn drop_unpaid(neighbours: &Neighbours, motions: &[Motion], turns: &mut [Turn]) 
 
 /// `|a - b|_F^2 = 8 sin^2(angle / 2)` between rotations: grows with the angle between them.
 fn distance(a: Mat3, b: Mat3) -> f64 {
-    (a - b).to_cols_array().iter().map(|x| x * x).sum()
+    norm_squared(a - b)
 }
 
-/// The dual graph: of each triangle, those across its edges.
-pub(super) struct Neighbours {
-    start: Vec<u32>,
-    /// Weight, as the bits of a number that is not negative (they sort alike), and triangle.
-    edges: Vec<(u64, u32)>,
-}
+/// The dual graph: of each triangle, those across its edges, each with its weight as the bits of a number that is
+/// not negative (they sort alike).
+pub(super) struct Neighbours(Rows<(u64, u32)>);
 
 impl Neighbours {
     pub fn of(mesh: &Mesh, motions: &[Motion]) -> Self {
@@ -240,26 +240,14 @@ impl Neighbours {
     }
 
     fn joining(pairs: &[[u32; 2]], motions: &[Motion]) -> Self {
-        let mut start = vec![0u32; motions.len() + 1];
-        for &t in pairs.iter().flatten() {
-            start[t as usize + 1] += 1;
-        }
-        for t in 0..motions.len() {
-            start[t + 1] += start[t];
-        }
-        let mut next = start.clone();
-        let mut edges = vec![(0, 0); 2 * pairs.len()];
-        for &[a, b] in pairs {
+        let joined = pairs.iter().flat_map(|&[a, b]| {
             let weight = match [a, b].map(|t| motions[t as usize].rotation()) {
                 [Some(r), Some(s)] => distance(r, s),
                 _ => LAST,
             };
-            for (t, other) in [(a, b), (b, a)] {
-                edges[next[t as usize] as usize] = (weight.to_bits(), other);
-                next[t as usize] += 1;
-            }
-        }
-        Self { start, edges }
+            [(a, (weight.to_bits(), b)), (b, (weight.to_bits(), a))]
+        });
+        Self(Rows::sort(motions.len(), joined.collect::<Vec<_>>().into_iter()))
     }
 
     /// Triangles that fold over more than half of their neighbours, or turn over in a flat sheet.
@@ -274,9 +262,9 @@ impl Neighbours {
 
     /// For each triangle, how many are joined to it by gentle steps.
     fn region_sizes(&self) -> Vec<u32> {
-        let mut sizes = vec![0; self.start.len() - 1];
-        for region in self.patches(|_, _, weight| weight < GENTLE) {
-            for &t in &region {
+        let mut sizes = vec![0; self.0.count()];
+        for region in self.patches(|_, _, weight| weight < GENTLE).iter() {
+            for &t in region {
                 sizes[t as usize] = region.len() as u32;
             }
         }
@@ -284,32 +272,17 @@ impl Neighbours {
     }
 
     /// Triangles in groups that `joined(triangle, neighbour, weight)` holds together.
-    fn patches(&self, joined: impl Fn(usize, usize, f64) -> bool) -> Vec<Vec<u32>> {
-        let mut seen = vec![false; self.start.len() - 1];
-        let mut patches = Vec::new();
-        for root in 0..seen.len() {
-            if seen[root] {
-                continue;
-            }
-            seen[root] = true;
-            let mut patch = vec![root as u32];
-            let mut next = 0;
-            while let Some(&t) = patch.get(next) {
-                next += 1;
-                for &(weight, s) in self.of_triangle(t) {
-                    if !seen[s as usize] && joined(t as usize, s as usize, f64::from_bits(weight)) {
-                        seen[s as usize] = true;
-                        patch.push(s);
-                    }
-                }
-            }
-            patches.push(patch);
-        }
-        patches
+    fn patches(&self, joined: impl Fn(usize, usize, f64) -> bool) -> Rows<u32> {
+        let pairs = self.0.iter().enumerate().flat_map(|(t, beside)| {
+            let joined = &joined;
+            let held = beside.iter().filter(move |&&(w, s)| joined(t, s as usize, f64::from_bits(w)));
+            held.map(move |&(_, s)| [t as u32, s])
+        });
+        Groups::joining(self.0.count(), pairs).members()
     }
 
     fn of_triangle(&self, t: u32) -> &[(u64, u32)] {
-        &self.edges[self.start[t as usize] as usize..self.start[t as usize + 1] as usize]
+        self.0.of(t as usize)
     }
 }
 

@@ -10,7 +10,8 @@
 //! with its displacement `d` from end to end and `d_k` the part along the axis. Where no rigid motion accounts for the two
 //! shapes it goes straight.
 
-use crate::{Mat3, Vec3, rotation};
+use crate::geometry::rigid::Alignment;
+use crate::{Vec3, rotation};
 
 /// The rigid motion must account for this share of the two shapes, as the correlation of their positions.
 const ACCOUNTED: f64 = 0.75;
@@ -29,21 +30,11 @@ impl Drift {
     /// The screw of some vertices that go from `a` to `b`, in units that share a scale but not an origin, where the origin of `b`
     /// is `apart` from that of `a`.
     pub fn of(vertices: &[u32], a: &[Vec3], b: &[Vec3], apart: Vec3) -> Self {
-        let mean = |x: &[Vec3]| vertices.iter().map(|&v| x[v as usize]).sum::<Vec3>() / vertices.len() as f64;
-        let (from, to) = (mean(a), mean(b));
-        let (mut covariance, mut sizes) = (Mat3::ZERO, [0.0; 2]);
-        for &v in vertices {
-            let (p, q) = (a[v as usize] - from, b[v as usize] - to);
-            covariance += Mat3::from_cols(q * p.x, q * p.y, q * p.z);
-            sizes[0] += p.length_squared();
-            sizes[1] += q.length_squared();
-        }
-        let r = rotation::nearest_rotation(covariance);
-        let product = r.transpose() * covariance;
-        let correlation = product.x_axis.x + product.y_axis.y + product.z_axis.z;
-        let turn = rotation::log(r);
+        let motion = Alignment::of(vertices.iter().map(|&v| (a[v as usize], b[v as usize])));
+        let (from, to) = motion.centroids();
+        let turn = rotation::log(motion.rotation());
         let angle = turn.length();
-        if angle < STRAIGHT || correlation < ACCOUNTED * (sizes[0] * sizes[1]).sqrt() {
+        if angle < STRAIGHT || motion.correlation() < ACCOUNTED {
             return Self::default();
         }
         let axis = turn / angle;

@@ -11,7 +11,7 @@
 
 use rayon::prelude::*;
 
-use super::Inbetween;
+use super::path::Inbetween;
 use crate::{Error, Fault, Job, Result, Vec3, memory};
 
 /// Keys lie on multiples of `1 / GRID`; a power of two, fine enough for 32 even segments.
@@ -102,7 +102,7 @@ impl Inbetween {
 
     /// The arcs of all vertices that leave the straight line, in the mesh's own units; `tolerance` of the largest arc.
     fn tracks(&self, tolerance: impl Fn(f64) -> f64, job: &Job) -> Result<Vec<Track>> {
-        let n = self.shapes[0].len();
+        let n = self.shapes.still.len();
         let mut steps = 1;
         let mut arcs = vec![vec![Vec3::ZERO; n]; 2];
         loop {
@@ -120,7 +120,7 @@ impl Inbetween {
             let off = (0..steps).into_par_iter().map(|k| {
                 (0..n).map(|v| midpoint(steps, k, |i| arcs[i][v]).distance(new[k][v])).fold(0.0, f64::max)
             });
-            let off = off.reduce(|| 0.0, f64::max) * self.scale;
+            let off = off.reduce(|| 0.0, f64::max) * self.shapes.scale;
             let mut merged = Vec::with_capacity(2 * steps + 1);
             let mut old = arcs.into_iter();
             for (a, b) in old.by_ref().zip(new) {
@@ -130,14 +130,14 @@ impl Inbetween {
             arcs = merged;
             steps *= 2;
             let largest = arcs.par_iter().map(|y| y.iter().map(|y| y.length_squared()).fold(0.0, f64::max));
-            let tolerance = tolerance(largest.reduce(|| 0.0, f64::max).sqrt() * self.scale);
+            let tolerance = tolerance(largest.reduce(|| 0.0, f64::max).sqrt() * self.shapes.scale);
             if steps >= STEPS.1 || (steps >= STEPS.0 && off <= INTERPOLATION * tolerance) {
                 break;
             }
         }
         let moves = |v: &usize| arcs.iter().any(|y| y[*v] != Vec3::ZERO);
         let vertices = (0..n).into_par_iter().filter(moves);
-        Ok(vertices.map(|v| arcs.iter().map(|y| y[v] * self.scale).collect()).collect())
+        Ok(vertices.map(|v| arcs.iter().map(|y| y[v] * self.shapes.scale).collect()).collect())
     }
 }
 

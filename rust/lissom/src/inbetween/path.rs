@@ -6,18 +6,132 @@
 //!
 //! turned by `R_t(t)`; `p` and `q` are those of `stretch`.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
-use super::Inbetween;
-use super::elements::{Asked, Hats};
-use super::stretch::shares;
-use crate::{Error, Fault, Job, Result, Vec3, memory};
+use super::branches::Turn;
+use super::clearance::Clearance;
+use super::drift::Drift;
+use super::options::{InbetweenOptions, Obstacle, Rotation};
+use super::relative::Relative;
+use super::shapes::{Asked, Shapes};
+use super::stretch::{self, Stretch, shares};
+use super::volume::Volumes;
+use crate::geometry::triangle::normal_and_area;
+use crate::stitch::Hats;
+use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, memory};
+
+/// Correlation of the folds at both ends, below the negative of which a component counts as mirrored.
+const MIRRORED: f64 = 0.5;
 
 /// Times solved as one block of right-hand sides: enough to share each pass over the factor, and
 /// few enough to answer a cancellation at once.
 const TIMES_AT_ONCE: usize = 8;
 
+/// The path from one shape of a mesh to another, factored once and evaluated at any time.
+///
+/// The way back is the same path: `start` to `end` at `t` is `end` to `start` at `1 - t`.
+#[derive(Debug)]
+pub struct Inbetween {
+    /// Both, in an order that does not depend on who is called start.
+    pub(super) shapes: Shapes,
+    pub(super) reversed: bool,
+    options: InbetweenOptions,
+    turns: Vec<Turn>,
+    /// `R_t(1)`.
+    ends: Vec<Mat3>,
+    relative: Option<Relative>,
+    /// Empty where stretches go in equal steps.
+    stretches: Vec<Option<[f64; 2]>>,
+    /// Triangles with a rotation of their own.
+    turning: Vec<bool>,
+    /// Of each floating component.
+    drifts: Vec<Drift>,
+    volumes: Option<Volumes>,
+    clearance: Option<Clearance>,
+    warnings: Vec<String>,
+}
+
 impl Inbetween {
+    /// Prepares the path from `start` to `end`, one position per vertex of `mesh`, in its own units.
+    /// Only the triangles of `mesh` matter, not its positions.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidValue`] for shapes of the wrong length, with values that are not finite, or all
+    /// of whose points lie on one point or line; [`Error::SolveFailed`], [`Error::Cancelled`].
+    pub fn new(
+        mesh: Arc<Mesh>,
+        start: &[Vec3],
+        end: &[Vec3],
+        options: InbetweenOptions,
+        job: &Job,
+    ) -> Result<Self> {
+        // Rounding must not choose another path for the way back, so the order is settled first.
+        let reversed = precedes(end, start);
+        let mut named = [("start".to_owned(), start), ("end".to_owned(), end)];
+        if reversed {
+            named.reverse();
+        }
+        let shapes = Shapes::new(mesh.clone(), &named, job)?;
+        let [a, b] = [&shapes.unit[0], &shapes.unit[1]];
+        job.report(0.4, "rotations");
+        let found = shapes.turns(1, options.rotation != Rotation::Shortest, job)?;
+        let mut warnings = shapes.warnings.clone();
+        let problem = "triangles that turn over against their neighbours between start and end";
+        warnings.extend(Fault::at("end", problem, found.inverted).map(|fault| fault.to_string()));
+
+        let firsts: Vec<usize> = mesh.components().members().iter().map(|m| m[0] as usize).collect();
+        let problem = "components that are a mirror image of the start and cave in on the way, named by their first vertex";
+        let turned = mirrored(&mesh, a, b).into_iter().map(|c| firsts[c]);
+        warnings.extend(Fault::at("end", problem, turned).map(|fault| fault.to_string()));
+        let volumes = options.preserve_volume.then(|| Volumes::of(&mesh, a, b));
+        let open = volumes.iter().flat_map(Volumes::open).map(|c| firsts[c]);
+        let problem = "open components, which have no volume to preserve, named by their first vertex";
+        warnings.extend(Fault::at("preserve_volume", problem, open).map(|fault| fault.to_string()));
+        let clearance = match &options.clearance {
+            Some(obstacle) => Some(clearance(obstacle, [start, end], shapes.scale, job)?),
+            None => None,
+        };
+
+        job.report(0.7, "turns");
+        job.check()?;
+        let ends: Vec<Mat3> = found.turns.par_iter().map(|turn| turn.at(1.0)).collect();
+        let apart = shapes.apart(1);
+        let drifts =
+            shapes.stitcher.floating().iter().map(|vertices| Drift::of(vertices, a, b, apart)).collect();
+        let relative = match options.rotation {
+            Rotation::Relative => Some(Relative::new(&mesh, &ends, found.tree, job)?),
+            Rotation::Consistent | Rotation::Shortest => None,
+        };
+        let stretches = match options.stretch {
+            Stretch::Linear => Vec::new(),
+            Stretch::Logarithmic => stretch::stretches(&mesh, &found.motions, a, b),
+        };
+        let turning = found.motions.iter().map(|motion| motion.rotation().is_some()).collect();
+        job.report(1.0, "ready");
+        Ok(Self {
+            shapes,
+            reversed,
+            options,
+            turns: found.turns,
+            ends,
+            relative,
+            stretches,
+            turning,
+            drifts,
+            volumes,
+            clearance,
+            warnings,
+        })
+    }
+
+    /// What is doubtful: slivers, triangles that turn over. Empty for two shapes that agree.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
     /// Positions at each of `times`, in the mesh's own units: exactly `start` at 0 and `end` at 1.
     ///
     /// # Errors
@@ -27,7 +141,7 @@ impl Inbetween {
     pub fn at(&self, times: &[f64], job: &Job) -> Result<Vec<Vec<Vec3>>> {
         Self::check_times(times)?;
         // Once here, and once more for whoever takes them over.
-        let bytes = 2 * size_of::<Vec3>() as u128 * times.len() as u128 * self.shapes[0].len() as u128;
+        let bytes = 2 * size_of::<Vec3>() as u128 * times.len() as u128 * self.shapes.still.len() as u128;
         memory::check("the in-betweens", bytes)?;
         let mut shapes = Vec::with_capacity(times.len());
         for chunk in times.chunks(TIMES_AT_ONCE) {
@@ -52,7 +166,7 @@ impl Inbetween {
 
     /// The position on the straight line plus the arc's distance from it.
     pub(super) fn shape(&self, t: f64, arc: &[Vec3]) -> Vec<Vec3> {
-        let [a, b] = &self.shapes;
+        let [a, b] = [&self.shapes.given[0], &self.shapes.given[1]];
         let (start, end) = if self.reversed { (b, a) } else { (a, b) };
         if t == 0.0 {
             return start.clone();
@@ -62,7 +176,7 @@ impl Inbetween {
         }
         let s = self.inner_time(t);
         let line = a.iter().zip(b).map(|(&p, &q)| p + (q - p) * s);
-        line.zip(arc).map(|(p, &y)| p + y * self.scale).collect()
+        line.zip(arc).map(|(p, &y)| p + y * self.shapes.scale).collect()
     }
 
     /// The time in the order in which the shapes are kept.
@@ -77,37 +191,91 @@ impl Inbetween {
             job.check()?;
             asked.push(self.asked(self.inner_time(t), job)?);
         }
-        let mut arcs = self.elements.stitch(&asked, self.options.refinement, |t| self.turning[t], job)?;
+        let mut arcs = self.shapes.stitch(&asked, self.options.refinement, |t| self.turning[t], job)?;
         for ((&t, asked), y) in times.iter().zip(&asked).zip(&mut arcs) {
             if let Some(volumes) = &self.volumes {
-                volumes.restore(&self.elements, &asked.line, y, self.inner_time(t), job)?;
-                *y = self.elements.centred(&asked.drift, std::mem::take(y));
+                volumes.restore(&self.shapes.stitcher, &asked.line, y, self.inner_time(t));
+                self.shapes.centre(&asked.drift, y);
             }
             if let Some(clearance) = &self.clearance
                 && t > 0.0
                 && t < 1.0
             {
-                clearance.keep(self, t, y, job)?;
+                clearance.keep(&self.shapes, t, y, |y| self.shape(t, y), job)?;
             }
         }
         Ok(arcs)
     }
 
     /// What every triangle asks for at time `t`.
-    fn asked(&self, t: f64, job: &Job) -> Result<Asked<impl Fn(usize) -> (Hats, Hats) + Sync + '_>> {
-        let rotations = match &self.relative {
-            Some(relative) => relative.at(t, &self.turns, &self.ends, job)?,
-            None => self.turns.par_iter().map(|turn| turn.at(t)).collect(),
+    fn asked(&self, t: f64, job: &Job) -> Result<Asked<impl Fn(usize) -> [Hats; 2] + Sync + Send + '_>> {
+        let changes = match &self.relative {
+            Some(relative) => {
+                let mut rotations = relative.at(t, &self.turns, &self.ends, job)?;
+                rotations.par_iter_mut().for_each(|r| *r -= Mat3::IDENTITY);
+                rotations
+            }
+            None => self.turns.par_iter().map(|turn| turn.at(t) - Mat3::IDENTITY).collect(),
         };
         let hats = move |triangle: usize| {
-            let [start, end] = [0, 1].map(|end| self.hats[end][triangle]);
+            let [start, end] = [0, 1].map(|shape| self.shapes.hats(shape, triangle));
             let (p, q) = shares(self.stretches.get(triangle).copied().flatten(), t);
             let back = self.ends[triangle].transpose();
             let stretched = [0, 1, 2].map(|c| start[c] * p + back * end[c] * q);
-            (stretched, [0, 1, 2].map(|c| start[c] * (1.0 - t) + end[c] * t))
+            [stretched, [0, 1, 2].map(|c| stretched[c] - (start[c] * (1.0 - t) + end[c] * t))]
         };
-        let line = self.unit[0].iter().zip(&self.unit[1]).map(|(&p, &q)| p + (q - p) * t).collect();
+        let line =
+            self.shapes.unit[0].iter().zip(&self.shapes.unit[1]).map(|(&p, &q)| p + (q - p) * t).collect();
         let drift = self.drifts.iter().map(|drift| drift.at(t)).collect();
-        Ok(Asked { hats, rotations, line, drift })
+        Ok(Asked { hats, changes, line, drift })
     }
+}
+
+/// What keeps a path from `ends[0]` to `ends[1]` out of an obstacle, which goes its own way where it moves.
+fn clearance(obstacle: &Obstacle, ends: [&[Vec3]; 2], scale: f64, job: &Job) -> Result<Clearance> {
+    let Obstacle { mesh, end } = obstacle;
+    let path = match end {
+        Some(end) => {
+            let path = Inbetween::new(mesh.clone(), mesh.vertices(), end, InbetweenOptions::default(), job);
+            Some(path.map_err(|error| error.renamed("clearance_end"))?)
+        }
+        None => None,
+    };
+    let rest = mesh.clone();
+    let at = move |t: f64, job: &Job| match &path {
+        Some(path) => Ok(path.at(&[t], job)?.remove(0)),
+        None => Ok(rest.vertices().to_vec()),
+    };
+    Clearance::new(mesh, Box::new(at), ends, scale, job)
+}
+
+/// Components whose folds are turned inside out: the angles between their triangles, signed and weighted
+/// by the edges, are opposite on the whole.
+fn mirrored(mesh: &Mesh, a: &[Vec3], b: &[Vec3]) -> Vec<usize> {
+    let triangles = mesh.triangles();
+    let fold = |x: &[Vec3], edge: [u32; 2], sides: [u32; 2]| {
+        let normal = |t: u32| normal_and_area(triangles[t as usize].map(|v| x[v as usize])).0;
+        let [m, n] = sides.map(normal);
+        m.cross(n).dot(x[edge[1] as usize] - x[edge[0] as usize])
+    };
+    let mut products = vec![[0.0; 3]; mesh.components().count()];
+    for (e, &edge) in mesh.adjacency().edges().iter().enumerate() {
+        if let ([p, q], Some(c)) =
+            (mesh.adjacency().sides_of(e), mesh.components().of_vertex(edge[0] as usize))
+        {
+            let sides = [p.triangle, q.triangle];
+            let (f, g) = (fold(a, edge, sides), fold(b, edge, sides));
+            for (sum, term) in products[c].iter_mut().zip([f * g, f * f, g * g]) {
+                *sum += term;
+            }
+        }
+    }
+    let opposite = |&(_, &[fg, ff, gg]): &(usize, &[f64; 3])| fg < -MIRRORED * (ff * gg).sqrt() && fg < 0.0;
+    products.iter().enumerate().filter(opposite).map(|(c, _)| c).collect()
+}
+
+/// Whether `a` comes before `b` at the first number in which they differ.
+fn precedes(a: &[Vec3], b: &[Vec3]) -> bool {
+    let differ = a.iter().zip(b).find(|(p, q)| p != q);
+    differ.is_some_and(|(p, q)| p.to_array() < q.to_array())
 }

@@ -20,7 +20,7 @@
 use rayon::prelude::*;
 
 use super::branches::{Step, Turn};
-use crate::linear::{Columns, ConstrainedSystem, Constraints, SymmetricMatrix};
+use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
 use crate::{Job, Mat3, Mesh, Result, Vec3, rotation};
 
 /// Gauss-Newton steps at most, and the turn in radians below which a step is the last.
@@ -94,9 +94,9 @@ impl Relative {
                 rhs[i as usize] += misfit;
                 rhs[j as usize] -= misfit;
             }
-            let mut step = Columns::zeros(now.len(), 3);
-            self.system.solve(&Columns::from_vectors(&rhs), &mut step);
-            let step = step.vectors(0);
+            let mut step = [vec![Vec3::ZERO; now.len()]];
+            self.system.solve(&[rhs], &mut step);
+            let [step] = step;
             now.par_iter_mut().zip(&step).for_each(|(r, &d)| *r = rotation::exp(d) * *r);
             if step.iter().all(|d| d.length_squared() < SMALL * SMALL) {
                 break;

@@ -4,7 +4,9 @@
 
 use std::sync::Arc;
 
-use super::{Inbetween, InbetweenOptions, Keyframes};
+use super::keyframes::Keyframes;
+use super::options::InbetweenOptions;
+use super::path::Inbetween;
 use crate::{Error, Fault, Job, Mesh, Result, Vec3};
 
 /// A path through a list of shapes.

@@ -15,6 +15,7 @@
 use rayon::prelude::*;
 
 use super::rotations::Motion;
+use crate::geometry::matrix::trace;
 use crate::geometry::triangle::normal_and_area;
 use crate::operators::gradient::triangle_gradient;
 use crate::{Mesh, Vec3};
@@ -40,7 +41,7 @@ pub(super) fn stretches(mesh: &Mesh, motions: &[Motion], a: &[Vec3], b: &[Vec3])
             let turn = motion.rotation()?;
             let [p, q] = [a, b].map(|x| t.map(|v| x[v as usize]));
             let stretch = turn.transpose() * triangle_gradient(p, q);
-            let trace = stretch.x_axis.x + stretch.y_axis.y + stretch.z_axis.z - 1.0;
+            let trace = trace(stretch) - 1.0;
             let product = normal_and_area(q).1 / normal_and_area(p).1;
             let root = (0.25 * trace * trace - product).max(0.0).sqrt();
             let largest = 0.5 * trace + root;

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use super::*;
-use crate::{Mat3, rotation};
+use crate::{Error, Job, Mat3, Mesh, Vec3, rotation};
 
 /// A mesh with the two shapes of a path.
 struct Case {

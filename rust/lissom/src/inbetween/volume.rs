@@ -9,9 +9,9 @@
 
 use std::collections::BTreeMap;
 
-use super::elements::Elements;
 use crate::geometry::triangle::normal_and_area;
-use crate::{Job, Mesh, Result, Vec3};
+use crate::stitch::Stitcher;
+use crate::{Mesh, Vec3};
 
 /// Newton's steps: a cubic polynomial, started near its root.
 const STEPS: usize = 8;
@@ -80,22 +80,11 @@ impl Volumes {
     }
 
     /// Moves `y`, the distance from the straight `line`, so that the volumes are those of time `t`.
-    ///
-    /// # Errors
-    ///
-    /// [`crate::Error::Cancelled`].
-    pub fn restore(
-        &self,
-        elements: &Elements,
-        line: &[Vec3],
-        y: &mut [Vec3],
-        t: f64,
-        job: &Job,
-    ) -> Result<()> {
-        let mesh = &*elements.mesh;
+    pub fn restore(&self, stitcher: &Stitcher, line: &[Vec3], y: &mut [Vec3], t: f64) {
+        let mesh = &**stitcher.mesh();
         let at = |y: &[Vec3]| -> Vec<Vec3> { line.iter().zip(y).map(|(&l, &y)| l + y).collect() };
         let mut x = at(y);
-        let towards = elements.lift(std::iter::once(self.gradient(mesh, &x)), job)?.remove(0);
+        let towards = stitcher.lift(&self.gradient(mesh, &x));
         for _ in 0..STEPS {
             let (volumes, slopes) = (self.volumes(mesh, &x), self.gradient(mesh, &x));
             let mut slope = vec![0.0; volumes.len()];
@@ -118,7 +107,6 @@ impl Volumes {
             }
             x = at(y);
         }
-        Ok(())
     }
 }
 

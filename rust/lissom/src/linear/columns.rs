@@ -4,7 +4,7 @@ use crate::Vec3;
 
 /// A dense matrix, column by column; three columns make one set of positions.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Columns {
+pub(super) struct Columns {
     rows: usize,
     data: Vec<f64>,
 }
@@ -13,12 +13,6 @@ impl Columns {
     /// `rows` x `columns` zeros.
     pub fn zeros(rows: usize, columns: usize) -> Self {
         Self { rows, data: vec![0.0; rows * columns] }
-    }
-
-    /// Three columns x, y, z from one vector per row.
-    pub fn from_vectors(vectors: &[Vec3]) -> Self {
-        let axis = |a: usize| vectors.iter().map(move |v| v[a]);
-        Self { rows: vectors.len(), data: axis(0).chain(axis(1)).chain(axis(2)).collect() }
     }
 
     /// Three columns x, y, z per block, one vector per row.
@@ -41,13 +35,6 @@ impl Columns {
     pub fn vectors(&self, block: usize) -> Vec<Vec3> {
         let [x, y, z] = [0, 1, 2].map(|a| self.column(3 * block + a));
         (0..self.rows).map(|i| Vec3::new(x[i], y[i], z[i])).collect()
-    }
-
-    /// Writes one vector into columns `3 block`, `3 block + 1`, `3 block + 2`.
-    pub fn set_vector(&mut self, block: usize, row: usize, value: Vec3) {
-        for axis in 0..3 {
-            self.data[(3 * block + axis) * self.rows + row] = value[axis];
-        }
     }
 
     /// Number of rows.

@@ -30,6 +30,14 @@ impl Constraints {
         self
     }
 
+    /// The same constraints with further vertices given.
+    pub fn also_fixed(self, fixed: impl Fn(usize) -> bool) -> Self {
+        if !self.free.iter().any(|&v| fixed(v as usize)) {
+            return self;
+        }
+        Self::hard(self.slot.len(), |v| self.slot[v] == FIXED || fixed(v)).with_soft(self.soft)
+    }
+
     /// The same constraints on three unknowns a vertex, `3 v + a` for axis `a`.
     pub fn of_axes(&self) -> Self {
         let soft = self.soft.iter().flat_map(|&(v, weight)| [0, 1, 2].map(|a| (3 * v + a, weight)));

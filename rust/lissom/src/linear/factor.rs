@@ -16,7 +16,7 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 use rayon::prelude::*;
 
 use super::{Columns, SymmetricMatrix};
-use crate::{Error, Result, memory};
+use crate::{Error, Result, Vec3, memory};
 
 /// Added to each entry of the diagonal, relative to itself, when a factorization fails the first time. Rounding
 /// alone makes a pivot negative by some 1e-14 of it; small entries beside large ones keep their worth.
@@ -190,11 +190,18 @@ impl Factor {
         size_of::<f64>() * self.values.len() + size_of::<u32>() * indices
     }
 
+    /// Replaces every set of vectors `b`, one per unknown, by the solution `x` of `A x = b`.
+    pub fn solve(&self, sets: &mut [Vec<Vec3>]) {
+        let mut columns = Columns::side_by_side(self.size(), sets.iter().map(Vec::as_slice));
+        self.solve_columns(&mut columns);
+        sets.iter_mut().enumerate().for_each(|(k, set)| *set = columns.vectors(k));
+    }
+
     /// Replaces each column `b` by the solution `x` of `A x = b`.
     ///
     /// Columns are spread over threads: one back-substitution by itself is bound by memory and
     /// slower on several.
-    pub fn solve(&self, columns: &mut Columns) {
+    pub(super) fn solve_columns(&self, columns: &mut Columns) {
         assert_eq!(columns.rows(), self.size(), "one row per unknown");
         if self.size() == 0 {
             return;

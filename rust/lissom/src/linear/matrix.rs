@@ -3,7 +3,8 @@
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use rayon::prelude::*;
 
-use crate::Mat3;
+use crate::geometry::rows::Rows;
+use crate::{Mat3, Vec3};
 
 /// Columns that a thread takes at once.
 const GRAIN: usize = 4096;
@@ -20,19 +21,14 @@ impl SymmetricMatrix {
     ///
     /// Where an index is not below `n`: the caller has validated the mesh.
     pub fn from_entries(n: usize, entries: impl IntoIterator<Item = (u32, u32, f64)>) -> Self {
-        // A counting sort by column, then each column by row: entries are many, columns short.
-        let entries: Vec<(u32, u32, f64)> =
-            entries.into_iter().map(|(i, j, value)| (i.max(j), i.min(j), value)).collect();
-        let start = offsets(n, entries.iter().map(|entry| entry.1));
-        let mut next = start.clone();
-        let mut sorted = vec![(0, 0.0); entries.len()];
-        for (i, j, value) in entries {
-            sorted[next[j as usize]] = (i, value);
-            next[j as usize] += 1;
-        }
+        // By column, then each column by row: entries are many, columns short.
+        let entries: Vec<(u32, (u32, f64))> =
+            entries.into_iter().map(|(i, j, value)| (i.min(j), (i.max(j), value))).collect();
+        let mut sorted = Rows::sort(n, entries.iter().copied());
+        drop(entries);
         let (mut starts, mut rows, mut values) = (vec![0u32], Vec::<u32>::new(), Vec::<f64>::new());
         for j in 0..n {
-            let column = &mut sorted[start[j]..start[j + 1]];
+            let column = sorted.of_mut(j);
             column.sort_by_key(|&(i, _)| i);
             for same in column.chunk_by(|a, b| a.0 == b.0) {
                 rows.push(same[0].0);
@@ -101,16 +97,8 @@ impl SymmetricMatrix {
     /// twice.
     pub fn normal<'a>(n: usize, rows: impl IntoIterator<Item = (f64, &'a [(u32, f64)])>) -> Self {
         let rows: Vec<(f64, &[(u32, f64)])> = rows.into_iter().collect();
-        let named = || rows.iter().flat_map(|(_, row)| row.iter());
-        let start = offsets(n, named().map(|&(j, _)| j));
-        let mut next = start.clone();
-        let mut namers = vec![0u32; named().count()];
-        for (r, (_, row)) in (0u32..).zip(&rows) {
-            for &(j, _) in *row {
-                namers[next[j as usize]] = r;
-                next[j as usize] += 1;
-            }
-        }
+        let named = (0u32..).zip(&rows).flat_map(|(r, (_, row))| row.iter().map(move |&(j, _)| (j, r)));
+        let namers = Rows::sort(n, named);
         // Column by column, from the rows that name it: each sum in the order of the rows, whoever adds it up.
         let columns: Vec<Vec<(u32, f64)>> = (0..n)
             .into_par_iter()
@@ -119,7 +107,7 @@ impl SymmetricMatrix {
                 || (vec![0.0; n], vec![false; n]),
                 |(sum, touched), j| {
                     let mut column = Vec::new();
-                    for &r in &namers[start[j]..start[j + 1]] {
+                    for &r in namers.of(j) {
                         let (w, row) = rows[r as usize];
                         let own = row.iter().find(|(i, _)| *i as usize == j).map_or(0.0, |(_, a)| *a);
                         for &(i, a) in row.iter().filter(|(i, _)| *i as usize >= j) {
@@ -148,22 +136,18 @@ impl SymmetricMatrix {
         Self::from_parts(starts, rows, values)
     }
 
-    /// The rows in full, as lists of `(column, value)`.
-    pub fn rows(&self) -> Vec<Vec<(u32, f64)>> {
-        let mut rows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); self.size()];
-        for (i, j, value) in self.entries() {
-            rows[i as usize].push((j, value));
-            if i != j {
-                rows[j as usize].push((i, value));
-            }
-        }
-        rows
+    /// The rows in full, of `(column, value)`.
+    pub fn rows(&self) -> Rows<(u32, f64)> {
+        let both = self.entries().flat_map(|(i, j, value)| {
+            [Some((i, (j, value))), (i != j).then_some((j, (i, value)))].into_iter().flatten()
+        });
+        Rows::sort(self.size(), both.collect::<Vec<_>>().into_iter())
     }
 
     /// `A D A` with a diagonal `D`.
     pub fn sandwich(&self, diagonal: &[f64]) -> Self {
         let rows = self.rows();
-        Self::normal(self.size(), diagonal.iter().copied().zip(rows.iter().map(Vec::as_slice)))
+        Self::normal(self.size(), diagonal.iter().copied().zip(rows.iter()))
     }
 
     /// `a A + b B` with another matrix `B` of the same size.
@@ -219,6 +203,14 @@ impl SymmetricMatrix {
         y
     }
 
+    /// The product with one vector per row, axis by axis.
+    pub fn times_vectors(&self, x: &[Vec3]) -> Vec<Vec3> {
+        let axis = |axis: usize| self.times(&x.iter().map(|x| x[axis]).collect::<Vec<_>>());
+        let [x, y, z]: [Vec<f64>; 3] =
+            (0..3).into_par_iter().map(axis).collect::<Vec<_>>().try_into().unwrap_or_default();
+        (0..self.size()).map(|row| Vec3::new(x[row], y[row], z[row])).collect()
+    }
+
     /// `A D A x` with a diagonal `D`.
     pub fn sandwich_times(&self, diagonal: &[f64], x: &[f64]) -> Vec<f64> {
         let scaled: Vec<f64> = self.times(x).iter().zip(diagonal).map(|(y, d)| d * y).collect();
@@ -231,16 +223,4 @@ impl SymmetricMatrix {
         assert_eq!(first, Some(row as u32), "row {row} has no diagonal entry");
         self.0.val_of_col_mut(row)[0] += value;
     }
-}
-
-/// Where the entries of each of `n` columns start, if they stand in the order of their columns.
-fn offsets(n: usize, columns: impl Iterator<Item = u32>) -> Vec<usize> {
-    let mut start = vec![0; n + 1];
-    for j in columns {
-        start[j as usize + 1] += 1;
-    }
-    for j in 0..n {
-        start[j + 1] += start[j];
-    }
-    start
 }

@@ -10,7 +10,7 @@ mod factor;
 mod matrix;
 mod system;
 
-pub use columns::Columns;
+use columns::Columns;
 pub use constraints::Constraints;
 pub use factor::{Factor, REGULARIZED, Symbolic};
 pub use matrix::SymmetricMatrix;

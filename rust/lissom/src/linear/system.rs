@@ -5,7 +5,7 @@
 use rayon::prelude::*;
 
 use super::{Columns, Constraints, Factor, Symbolic, SymmetricMatrix};
-use crate::{Job, Result};
+use crate::{Job, Result, Vec3};
 
 /// A symmetric system with constraints, factored.
 #[derive(Debug)]
@@ -83,34 +83,43 @@ impl ConstrainedSystem {
         &self.symbolic
     }
 
-    /// Solves for the free rows of `x`, one row per vertex, as in `rhs`. On entry the fixed rows of `x`
-    /// hold what is given, and the rows of soft constraints their targets.
-    pub fn solve(&self, rhs: &Columns, x: &mut Columns) {
-        assert_eq!(rhs.rows(), self.constraints.vertex_count(), "one row per vertex");
-        assert_eq!((x.rows(), x.count()), (rhs.rows(), rhs.count()), "unknowns match right-hand sides");
+    /// Solves for the free vertices of every set of `x`, one vector per vertex, as in `rhs`; without a right-hand side
+    /// where that is empty. On entry the fixed vertices of `x` hold what is given, and those of soft constraints
+    /// their targets.
+    pub fn solve<R: AsRef<[Vec3]> + Sync>(&self, rhs: &[R], x: &mut [Vec<Vec3>]) {
+        assert!(rhs.is_empty() || rhs.len() == x.len(), "unknowns match right-hand sides");
         let free = self.constraints.free();
-        let mut reduced = Columns::zeros(free.len(), rhs.count());
-        for c in 0..rhs.count() {
-            let (full, given, column) = (rhs.column(c), x.column(c), reduced.column_mut(c));
-            for (target, &v) in column.iter_mut().zip(free) {
-                *target = full[v as usize];
+        let mut reduced = Columns::zeros(free.len(), 3 * x.len());
+        reduced.data_mut().par_chunks_mut(free.len().max(1)).enumerate().for_each(|(c, column)| {
+            let (set, axis) = (c / 3, c % 3);
+            let rhs = rhs.get(set).map(R::as_ref);
+            self.reduce(column, |v| rhs.map_or(0.0, |rhs| rhs[v][axis]), |v| x[set][v][axis]);
+        });
+        self.factor.solve_columns(&mut reduced);
+        x.par_iter_mut().enumerate().for_each(|(k, x)| {
+            let [a, b, c] = [0, 1, 2].map(|axis| reduced.column(3 * k + axis));
+            for (slot, &v) in free.iter().enumerate() {
+                x[v as usize] = Vec3::new(a[slot], b[slot], c[slot]);
             }
-            for &(slot, vertex, value) in &self.coupling {
-                column[slot as usize] -= value * given[vertex as usize];
+        });
+    }
+
+    /// Spreads what given vertices hold, in place, for any number of sets: the solution without right-hand side.
+    /// Constants come out exactly, however badly the system is conditioned: the unknown is the difference to the
+    /// first given value.
+    pub fn spread(&self, fields: &mut [Vec<Vec3>]) {
+        let given = (0..self.constraints.vertex_count()).find(|&v| self.constraints.slot(v as u32).is_none());
+        let pulled = self.constraints.soft().first().map(|&(v, _)| v as usize);
+        let Some(first) = given.or(pulled) else { return };
+        let shifts: Vec<Vec3> = fields.iter().map(|field| field[first]).collect();
+        let shift = |fields: &mut [Vec<Vec3>], sign: f64| {
+            for (field, &shift) in fields.iter_mut().zip(&shifts) {
+                field.iter_mut().for_each(|value| *value += shift * sign);
             }
-            for &(vertex, weight) in self.constraints.soft() {
-                if let Some(slot) = self.constraints.slot(vertex) {
-                    column[slot as usize] += weight * given[vertex as usize];
-                }
-            }
-        }
-        self.factor.solve(&mut reduced);
-        for c in 0..rhs.count() {
-            let column = x.column_mut(c);
-            for (&v, &value) in free.iter().zip(reduced.column(c)) {
-                column[v as usize] = value;
-            }
-        }
+        };
+        shift(fields, -1.0);
+        self.solve::<Vec<Vec3>>(&[], fields);
+        shift(fields, 1.0);
     }
 
     /// Solves without right-hand side, then again for what is left of it. `product` multiplies one column by
@@ -119,10 +128,24 @@ impl ConstrainedSystem {
     /// Rounding its entries alone costs a normal matrix the square of the digits that `B` costs (Björck 1987,
     /// Stability Analysis of the Method of Seminormal Equations): 1e-7 of the diagonal on 100,000 vertices,
     /// where after one correction 1e-11 is left.
-    pub fn minimise(&self, x: &mut Columns, product: impl Fn(&[f64]) -> Vec<f64> + Sync) {
+    ///
+    /// The columns are the axes of each set of `x` or, for a system [`of_blocks`](Self::of_blocks), the sets.
+    pub fn minimise(&self, x: &mut [Vec<Vec3>], product: impl Fn(&[f64]) -> Vec<f64> + Sync) {
+        let rows = self.constraints.vertex_count();
+        let blocks = x.first().is_some_and(|set| set.len() != rows);
+        let sets = x.iter().map(Vec::as_slice);
+        let mut columns =
+            if blocks { Columns::interleaved(rows / 3, sets) } else { Columns::side_by_side(rows, sets) };
+        self.minimise_columns(&mut columns, product);
+        for (k, set) in x.iter_mut().enumerate() {
+            *set = if blocks { columns.interleaved_vectors(k) } else { columns.vectors(k) };
+        }
+    }
+
+    fn minimise_columns(&self, x: &mut Columns, product: impl Fn(&[f64]) -> Vec<f64> + Sync) {
         let targets = x.clone();
         let mut rest = Columns::zeros(x.rows(), x.count());
-        self.solve(&rest, x);
+        self.solve_columns(&rest, x);
         rest.data_mut().par_chunks_mut(x.rows().max(1)).enumerate().for_each(|(c, rest)| {
             let (x, target) = (x.column(c), targets.column(c));
             for (rest, product) in rest.iter_mut().zip(product(x)) {
@@ -133,9 +156,40 @@ impl ConstrainedSystem {
             }
         });
         let mut correction = Columns::zeros(x.rows(), x.count());
-        self.solve(&rest, &mut correction);
+        self.solve_columns(&rest, &mut correction);
         for (x, correction) in x.data_mut().iter_mut().zip(correction.data_mut()) {
             *x += *correction;
+        }
+    }
+
+    fn solve_columns(&self, rhs: &Columns, x: &mut Columns) {
+        let free = self.constraints.free();
+        let mut reduced = Columns::zeros(free.len(), rhs.count());
+        reduced.data_mut().par_chunks_mut(free.len().max(1)).enumerate().for_each(|(c, column)| {
+            let (rhs, x) = (rhs.column(c), x.column(c));
+            self.reduce(column, |v| rhs[v], |v| x[v]);
+        });
+        self.factor.solve_columns(&mut reduced);
+        for c in 0..rhs.count() {
+            let column = x.column_mut(c);
+            for (&v, &value) in free.iter().zip(reduced.column(c)) {
+                column[v as usize] = value;
+            }
+        }
+    }
+
+    /// A column of the right-hand side in the free unknowns alone.
+    fn reduce(&self, column: &mut [f64], rhs: impl Fn(usize) -> f64, given: impl Fn(usize) -> f64) {
+        for (target, &v) in column.iter_mut().zip(self.constraints.free()) {
+            *target = rhs(v as usize);
+        }
+        for &(slot, vertex, value) in &self.coupling {
+            column[slot as usize] -= value * given(vertex as usize);
+        }
+        for &(vertex, weight) in self.constraints.soft() {
+            if let Some(slot) = self.constraints.slot(vertex) {
+                column[slot as usize] += weight * given(vertex as usize);
+            }
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Connected components: vertices joined by triangles.
 
+use crate::geometry::groups::Groups;
+
 /// Marks a vertex that no triangle uses.
 const NONE: u32 = u32::MAX;
 
@@ -10,46 +12,25 @@ pub struct Components {
     count: usize,
 }
 
-/// Joins `pairs` of `0..count`; gives each element's root and the number of groups.
-pub(super) fn roots(count: usize, pairs: impl Iterator<Item = [u32; 2]>) -> (Vec<u32>, usize) {
-    fn root(parent: &mut [u32], mut v: u32) -> u32 {
-        while parent[v as usize] != v {
-            parent[v as usize] = parent[parent[v as usize] as usize];
-            v = parent[v as usize];
-        }
-        v
-    }
-    let mut parent: Vec<u32> = (0..count as u32).collect();
-    let mut groups = count;
-    for [a, b] in pairs {
-        let (a, b) = (root(&mut parent, a), root(&mut parent, b));
-        if a != b {
-            parent[b as usize] = a;
-            groups -= 1;
-        }
-    }
-    let of = (0..count as u32).map(|v| root(&mut parent, v)).collect();
-    (of, groups)
-}
-
 impl Components {
     pub(super) fn of(vertices: usize, triangles: &[[u32; 3]]) -> Self {
         let pairs = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [a, c]]);
-        let (root, _) = roots(vertices, pairs);
+        let groups = Groups::joining(vertices, pairs);
         let mut used = vec![false; vertices];
         for &v in triangles.iter().flatten() {
             used[v as usize] = true;
         }
-        let mut number = vec![NONE; vertices];
+        // Vertices without triangles are groups of their own, and left out of the numbers.
+        let mut number = vec![NONE; groups.count()];
         let mut count = 0;
         let mut of_vertex = vec![NONE; vertices];
         for v in (0..vertices).filter(|&v| used[v]) {
-            let root = root[v] as usize;
-            if number[root] == NONE {
-                number[root] = count;
+            let number = &mut number[groups.of()[v] as usize];
+            if *number == NONE {
+                *number = count;
                 count += 1;
             }
-            of_vertex[v] = number[root];
+            of_vertex[v] = *number;
         }
         Self { of_vertex, count: count as usize }
     }

@@ -2,6 +2,7 @@
 
 mod adjacency;
 mod components;
+mod orientation;
 pub(crate) mod validate;
 mod weld;
 

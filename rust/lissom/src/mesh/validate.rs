@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::adjacency::Adjacency;
 use super::weld::representatives;
+use crate::geometry::groups::Groups;
 use crate::geometry::triangle::TriangleGeometry;
 use crate::{Error, Fault, Result, Vec3};
 
@@ -174,5 +175,5 @@ fn fans(adjacency: &Adjacency, triangles: &[[u32; 3]], vertex: usize, ring: &mut
     ring.sort_unstable();
     ring.dedup();
     let place = |v: u32| ring.binary_search(&v).unwrap_or_default() as u32;
-    super::components::roots(ring.len(), spokes().map(|spoke| spoke.map(place))).1
+    Groups::joining(ring.len(), spokes().map(|spoke| spoke.map(place))).count()
 }

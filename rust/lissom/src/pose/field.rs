@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::goal::Goal;
 use super::region::Region;
-use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
+use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::mass::lumped_mass;
 use crate::rotation::exp;
@@ -31,14 +31,12 @@ pub(super) fn of_handles<const N: usize>(
     let n = region.mesh().rest().len();
     let moving = |part: &usize| handles.iter().any(|h| h[*part] != Vec3::ZERO);
     let parts: Vec<usize> = (0..N).filter(moving).collect();
-    let mut block = Columns::zeros(n, 3 * parts.len());
-    for (place, &part) in parts.iter().enumerate() {
-        let given = region.at_handles(|h| handles[h][part]);
-        given.into_iter().enumerate().for_each(|(v, value)| block.set_vector(place, v, value));
-    }
-    spread(system, &mut block);
-    std::array::from_fn(|part| match parts.iter().position(|&p| p == part) {
-        Some(place) => block.vectors(place),
+    let mut fields: Vec<Vec<Vec3>> =
+        parts.iter().map(|&part| region.at_handles(|h| handles[h][part])).collect();
+    system.spread(&mut fields);
+    let mut fields = parts.iter().zip(fields).peekable();
+    std::array::from_fn(|part| match fields.next_if(|field| *field.0 == part) {
+        Some((_, field)) => field,
         None => vec![Vec3::ZERO; n],
     })
 }
@@ -48,24 +46,6 @@ pub(super) fn rotations(system: &ConstrainedSystem, region: &Region, goal: &Goal
     let vectors: Vec<[Vec3; 2]> = goal.handles.iter().map(|m| [m.rotation, m.whole_turns]).collect();
     let [rotation, whole] = of_handles(system, region, &vectors);
     rotation.into_par_iter().zip(whole).map(|(r, w)| exp(r) * exp(w)).collect()
-}
-
-/// Spreads what given vertices hold, in place. Constants come out exactly, however badly the system is
-/// conditioned: the unknown is the difference to the first given value.
-pub(super) fn spread(system: &ConstrainedSystem, field: &mut Columns) {
-    let constraints = system.constraints();
-    let given = (0..field.rows()).find(|&v| constraints.slot(v as u32).is_none());
-    let pulled = constraints.soft().first().map(|&(v, _)| v as usize);
-    let Some(first) = given.or(pulled) else { return };
-    let shifts: Vec<f64> = (0..field.count()).map(|c| field.column(c)[first]).collect();
-    let shift = |field: &mut Columns, sign: f64| {
-        for (c, shift) in shifts.iter().enumerate() {
-            field.column_mut(c).iter_mut().for_each(|value| *value += sign * shift);
-        }
-    };
-    shift(field, -1.0);
-    system.solve(&Columns::zeros(field.rows(), field.count()), field);
-    shift(field, 1.0);
 }
 
 /// `L`, `L M^-1 L` or `L M^-1 L M^-1 L`, the Hessians of `sum w (f_j - f_i)^2`, `sum m h^2` and
@@ -84,7 +64,7 @@ pub(super) fn polyharmonic(mesh: &Mesh, order: usize) -> Result<SymmetricMatrix>
                 .map(|(i, j, value)| {
                     let mut difference: BTreeMap<u32, f64> = BTreeMap::new();
                     for (row, sign) in [(i as usize, 1.0), (j as usize, -1.0)] {
-                        for &(column, entry) in &rows[row] {
+                        for &(column, entry) in rows.of(row) {
                             *difference.entry(column).or_default() += sign * inverse[row] * entry;
                         }
                     }

@@ -13,7 +13,7 @@
 use super::field::inverse_mass;
 use super::goal::Goal;
 use super::region::Region;
-use super::responses::{Response, axis_by_axis};
+use super::responses::{Response, minima};
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::graph::graph_laplacian;
@@ -81,6 +81,6 @@ impl Response for Laplacian {
     }
 
     fn displacements_of(&self, _region: &Region, goals: &[Goal]) -> Vec<Vec<Vec3>> {
-        axis_by_axis(&self.system, goals, |x| self.laplacian.sandwich_times(&self.squares, x))
+        minima(&self.system, goals, |x| self.laplacian.sandwich_times(&self.squares, x))
     }
 }

@@ -24,9 +24,9 @@ use rayon::prelude::*;
 use super::goal::Goal;
 use super::laplacian::{Weights, operator};
 use super::region::Region;
-use super::responses::Response;
+use super::responses::{Response, minima};
 use crate::geometry::matrix::outer;
-use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
+use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::operators::graph::graph_laplacian;
 use crate::{Job, Mat3, Mesh, Result, Vec3};
 
@@ -108,11 +108,9 @@ impl LaplacianFitted {
 fn rows(mesh: &Mesh, options: &Options) -> Vec<Row> {
     let (laplacian, squares) = operator(mesh, options.weights);
     let rest = mesh.rest();
-    laplacian
-        .rows()
-        .into_par_iter()
-        .zip(squares)
-        .map(|(row, square)| fit(rest, &row, square.sqrt(), options.scale))
+    let rows = laplacian.rows();
+    (squares.into_par_iter().enumerate())
+        .map(|(i, square)| fit(rest, rows.of(i), square.sqrt(), options.scale))
         .collect()
 }
 
@@ -177,10 +175,7 @@ impl Response for LaplacianFitted {
     }
 
     fn displacements_of(&self, _region: &Region, goals: &[Goal]) -> Vec<Vec<Vec3>> {
-        let vertices = self.rows.len();
-        let mut x = Columns::interleaved(vertices, goals.iter().map(|goal| goal.displacements.as_slice()));
-        self.system.minimise(&mut x, |x| self.product(x));
-        (0..goals.len()).map(|column| x.interleaved_vectors(column)).collect()
+        minima(&self.system, goals, |x| self.product(x))
     }
 
     fn axes_couple(&self) -> bool {

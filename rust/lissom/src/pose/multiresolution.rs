@@ -20,10 +20,10 @@ use super::goal::Goal;
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
 use super::registry::MethodOptions;
-use crate::linear::{Columns, ConstrainedSystem, Constraints, SymmetricMatrix};
+use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
 use crate::operators::gradient::deformation_gradients;
 use crate::rotation::nearest_rotation;
-use crate::stitch::Stitcher;
+use crate::stitch::{Owners, Reference, Stitcher, Weights};
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
 
 /// How details are put back.
@@ -65,7 +65,7 @@ pub struct Multiresolution {
 
 #[derive(Debug)]
 enum Replace {
-    Gradients(Stitcher),
+    Gradients(Box<Stitcher>),
     /// `v - b`.
     Offsets(Vec<Vec3>),
 }
@@ -90,7 +90,12 @@ impl Multiresolution {
         let base = region.reshaped(smooth);
         let method = options.base.bind(&base, job)?;
         let details = match options.details {
-            Details::Gradients => Replace::Gradients(Stitcher::new(mesh, region.constraints().clone(), job)?),
+            Details::Gradients => {
+                let (mesh, constraints) = (mesh.clone(), region.constraints().clone());
+                let (owners, weights) = (Owners::Triangles, Weights::Cotangent);
+                let stitcher = Stitcher::new(mesh, owners, weights, None, constraints, job)?;
+                Replace::Gradients(Box::new(stitcher))
+            }
             Details::Offsets => Replace::Offsets(offsets),
         };
         Ok(Self { base, method, details })
@@ -107,15 +112,12 @@ fn details(region: &Region, length: f64, job: &Job) -> Result<Vec<Vec3>> {
     let held = |v: usize| region.handle_of(v).is_some() || region.constraints().slot(v as u32).is_none();
     let constraints = Constraints::hard(mesh.rest().len(), held);
     let system = ConstrainedSystem::new(&mass.combine(1.0, &bending, stiffness), constraints, job)?;
-    let rest = Columns::from_vectors(mesh.rest());
-    let mut rhs = Columns::zeros(rest.rows(), 3);
-    for axis in 0..3 {
-        let forces = bending.times(rest.column(axis));
-        rhs.column_mut(axis).iter_mut().zip(forces).for_each(|(b, force)| *b = stiffness * force);
-    }
-    let mut details = Columns::zeros(rest.rows(), 3);
-    system.solve(&rhs, &mut details);
-    Ok(details.vectors(0))
+    let mut forces = bending.times_vectors(mesh.rest());
+    forces.iter_mut().for_each(|force| *force *= stiffness);
+    let mut details = [vec![Vec3::ZERO; forces.len()]];
+    system.solve(&[forces], &mut details);
+    let [details] = details;
+    Ok(details)
 }
 
 impl Method for Multiresolution {
@@ -127,17 +129,18 @@ impl Method for Multiresolution {
         systems
     }
 
-    fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution> {
+    fn solve(&mut self, _: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution> {
         // Handles have no details: the goal of the surface is that of the base.
         let mut solution = self.method.solve(&self.base, goal, options, job)?;
         let base = self.base.mesh();
         let moved: Vec<Vec3> =
             (base.rest().iter().zip(&solution.displacements)).map(|(&b, &d)| b + d).collect();
-        let gradients = deformation_gradients(base, &moved);
+        let mut gradients = deformation_gradients(base, &moved);
         match &self.details {
             Replace::Gradients(stitcher) => {
                 solution.displacements.copy_from_slice(&goal.displacements);
-                stitcher.solve(region.mesh(), &gradients, &mut solution.displacements);
+                gradients.par_iter_mut().for_each(|q| *q -= Mat3::IDENTITY);
+                stitcher.stitch(Reference::Rest, &gradients, &mut solution.displacements);
             }
             Replace::Offsets(offsets) => {
                 let turned: Vec<Vec3> = (0..offsets.len())

@@ -21,7 +21,7 @@ use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
 use crate::linear::ConstrainedSystem;
 use crate::rotation::{exp, polar};
-use crate::stitch::Stitcher;
+use crate::stitch::{Owners, Reference, Stitcher, Weights};
 use crate::{Job, Mat3, Result, Vec3};
 
 /// Stretch of a handle that counts as none.
@@ -55,19 +55,26 @@ impl Poisson {
             0 => None,
             border => Some(smooth_system(region, border, job)?),
         };
-        let stitcher = Stitcher::new(region.mesh(), region.constraints().clone(), job)?;
+        let stitcher = Stitcher::new(
+            region.mesh().clone(),
+            Owners::Triangles,
+            Weights::Cotangent,
+            None,
+            region.constraints().clone(),
+            job,
+        )?;
         Ok(Self { smooth, stitcher })
     }
 
-    /// `C_t` of every triangle.
-    fn targets(&self, region: &Region, goal: &Goal) -> Vec<Mat3> {
+    /// `C_t - I` of every triangle.
+    fn changes(&self, region: &Region, goal: &Goal) -> Vec<Mat3> {
         let vectors: Vec<[Vec3; 4]> = goal.handles.iter().map(to_vectors).collect();
         let system = self.smooth.as_ref().unwrap_or(self.stitcher.system());
         let fields = of_handles(system, region, &vectors);
         let blend = |t: &[u32; 3]| {
             let mean = |of: &Vec<Vec3>| t.iter().map(|&v| of[v as usize]).sum::<Vec3>() / 3.0;
             let [rotation, whole, diagonal, mixed] = fields.each_ref().map(mean);
-            exp(rotation) * exp(whole) * (Mat3::IDENTITY + symmetric(diagonal, mixed))
+            exp(rotation) * exp(whole) * (Mat3::IDENTITY + symmetric(diagonal, mixed)) - Mat3::IDENTITY
         };
         region.mesh().triangles().par_iter().with_min_len(512).map(blend).collect()
     }
@@ -99,7 +106,7 @@ impl Method for Poisson {
     fn solve(&mut self, region: &Region, goal: &Goal, _: &SolveOptions, job: &Job) -> Result<Solution> {
         job.check()?;
         let mut displacements = goal.displacements.clone();
-        self.stitcher.solve(region.mesh(), &self.targets(region, goal), &mut displacements);
+        self.stitcher.stitch(Reference::Rest, &self.changes(region, goal), &mut displacements);
         Ok(Solution::direct(displacements))
     }
 }

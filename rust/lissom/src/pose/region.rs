@@ -1,16 +1,13 @@
 //! The region of interest: what is given, what is free, and the small mesh that methods work on.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use super::goal::{Goal, Motion};
-use crate::geometry::matrix::outer;
+use crate::geometry::rigid::Alignment;
 use crate::linear::Constraints;
-use crate::rotation::{log, nearest_rotation};
+use crate::rotation::log;
 use crate::{Error, Fault, Mat3, Mesh, Result, Vec3};
-
-/// Points count as spread in a plane when the second singular value of their covariance exceeds this
-/// fraction of the first.
-const SPREAD: f64 = 1e-6;
 
 /// Vertices that move together.
 #[derive(Debug, Clone)]
@@ -46,7 +43,7 @@ pub struct Region {
     given: Vec<bool>,
     /// The triangles up to three rings from free vertices, as a mesh of their own in the whole mesh's
     /// unit coordinates.
-    part: Option<Mesh>,
+    part: Option<Arc<Mesh>>,
     /// For each vertex of the part, its index in the whole mesh.
     whole: Vec<u32>,
     /// For each vertex of the part, its place among the handle vertices, handles in order.
@@ -117,7 +114,7 @@ impl Region {
         let local: HashMap<u32, u32> = whole.iter().copied().zip(0u32..).collect();
         let part = (!taking_part.is_empty()).then(|| {
             let triangles = taking_part.iter().map(|&t| triangles[t].map(|v| local[&v])).collect();
-            mesh.part(&whole, triangles)
+            Arc::new(mesh.part(&whole, triangles))
         });
         let soft = (0u32..).zip(&whole).filter_map(|(v, &w)| Some((v, pull[w as usize]?)));
         let constraints = Constraints::hard(whole.len(), |v| !free(whole[v] as usize)).with_soft(soft);
@@ -135,7 +132,7 @@ impl Region {
         Self {
             handles: self.handles.clone(),
             given: self.given.clone(),
-            part: self.part.as_ref().map(|part| part.reshaped(rest)),
+            part: self.part.as_ref().map(|part| Arc::new(part.reshaped(rest))),
             whole: self.whole.clone(),
             target_of: self.target_of.clone(),
             handle_of: self.handle_of.clone(),
@@ -185,7 +182,7 @@ impl Region {
     /// # Panics
     ///
     /// Where [`Region::is_rigid`]; such a region is never given to a method.
-    pub fn mesh(&self) -> &Mesh {
+    pub fn mesh(&self) -> &Arc<Mesh> {
         self.part.as_ref().expect("a method is only made for a region with free vertices")
     }
 
@@ -202,8 +199,7 @@ impl Region {
         mesh.components().members().iter().any(|members| {
             let points: Vec<Vec3> =
                 members.iter().filter(|v| held(**v)).map(|&v| mesh.rest()[v as usize]).collect();
-            let center = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
-            !is_spread(points.iter().fold(Mat3::ZERO, |sum, &p| sum + outer(p - center, p - center)))
+            !Alignment::of(points.iter().map(|&p| (p, p))).is_determined()
         })
     }
 
@@ -238,15 +234,17 @@ impl Region {
             vertices.zip(targets).map(|(&v, &target)| (rest(v), frame.to_unit(target))).collect();
         let fixed = (0..self.whole.len()).filter(|&v| self.stays(v)).map(|v| rest(self.whole[v]));
         let all: Vec<(Vec3, Vec3)> = pairs.iter().copied().chain(fixed.map(|p| (p, p))).collect();
-        let together = rotation_between(&all).unwrap_or(Mat3::IDENTITY);
+        let all = Alignment::of(all.iter().copied());
+        let together = if all.is_determined() { all.rotation() } else { Mat3::IDENTITY };
         let mut start = 0;
         self.handles
             .iter()
             .map(|handle| {
                 let own = &pairs[start..start + handle.vertices.len()];
                 start += own.len();
-                let linear = rotation_between(own).unwrap_or(together);
-                let (from, to) = centroids(own);
+                let own = Alignment::of(own.iter().copied());
+                let linear = if own.is_determined() { own.rotation() } else { together };
+                let (from, to) = own.centroids();
                 Motion { rotation: log(linear), whole_turns: Vec3::ZERO, linear, offset: to - linear * from }
             })
             .collect()
@@ -343,31 +341,4 @@ fn pulls(n: usize, handles: &[Handle], hold: Hold) -> Result<Vec<Option<f64>>> {
         }
     }
     Ok(pull)
-}
-
-fn centroids(pairs: &[(Vec3, Vec3)]) -> (Vec3, Vec3) {
-    let count = pairs.len() as f64;
-    (pairs.iter().map(|p| p.0).sum::<Vec3>() / count, pairs.iter().map(|p| p.1).sum::<Vec3>() / count)
-}
-
-/// The rotation that takes the first points to the second best; `None` where they are too few, or
-/// all on a line, to tell.
-fn rotation_between(pairs: &[(Vec3, Vec3)]) -> Option<Mat3> {
-    let (from, to) = centroids(pairs);
-    let mut cross = Mat3::ZERO;
-    let mut spread = Mat3::ZERO;
-    for &(a, b) in pairs {
-        cross += outer(b - to, a - from);
-        spread += outer(a - from, a - from);
-    }
-    is_spread(spread).then(|| nearest_rotation(cross))
-}
-
-/// Whether points of this covariance are on no line.
-fn is_spread(covariance: Mat3) -> bool {
-    // The sum of the principal 2 x 2 minors of the covariance is s1 s2 + s1 s3 + s2 s3.
-    let [x, y, z] = [covariance.x_axis, covariance.y_axis, covariance.z_axis];
-    let trace = x.x + y.y + z.z;
-    let second = 0.5 * (trace * trace - x.length_squared() - y.length_squared() - z.length_squared());
-    second > SPREAD * SPREAD * trace * trace
 }

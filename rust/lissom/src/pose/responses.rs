@@ -15,7 +15,7 @@ use super::goal::{Goal, Motion};
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
 use crate::geometry::matrix::outer;
-use crate::linear::{Columns, ConstrainedSystem};
+use crate::linear::ConstrainedSystem;
 use crate::{Job, Mat3, Result, Vec3, memory};
 
 /// Most handles whose responses are kept; beyond, a solve is the lesser cost.
@@ -40,17 +40,15 @@ pub trait Response: Send + std::fmt::Debug {
     }
 }
 
-/// Displacements of a method whose axes are independent columns of one system. `product` multiplies a
-/// column by its matrix, see [`ConstrainedSystem::minimise`].
-pub(super) fn axis_by_axis(
+/// Displacements of a method that is the minimum of one system. `product` multiplies a column by its matrix, see [`ConstrainedSystem::minimise`].
+pub(super) fn minima(
     system: &ConstrainedSystem,
     goals: &[Goal],
     product: impl Fn(&[f64]) -> Vec<f64> + Sync,
 ) -> Vec<Vec<Vec3>> {
-    let rows = system.constraints().vertex_count();
-    let mut x = Columns::side_by_side(rows, goals.iter().map(|goal| goal.displacements.as_slice()));
+    let mut x: Vec<Vec<Vec3>> = goals.iter().map(|goal| goal.displacements.clone()).collect();
     system.minimise(&mut x, product);
-    (0..goals.len()).map(|block| x.vectors(block)).collect()
+    x
 }
 
 /// A linear method with its responses, which are made when handles first move as wholes.

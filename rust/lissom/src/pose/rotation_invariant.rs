@@ -25,9 +25,10 @@ pub use super::laplacian::Weights;
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
 use super::responses::{Linear, Response};
-use crate::linear::{Columns, ConstrainedSystem, SymmetricMatrix};
+use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::operators::principal::{Principal, principal_directions};
 use crate::rotation::{exp, nearest_rotation};
+use crate::stitch::{self, Owners, Reference, Stitcher, edge_weights};
 use crate::{Job, Mat3, Mesh, Result, Vec3};
 
 /// Curvature, in one over the diagonal, that counts as flat: no direction is principal there.
@@ -85,9 +86,7 @@ impl Default for Options {
 #[derive(Debug)]
 pub struct RotationInvariant {
     options: Options,
-    /// `w` of every edge.
-    weights: Vec<f64>,
-    positions: ConstrainedSystem,
+    stitcher: Stitcher,
     /// The system of the frames, where it is another one.
     frames: Option<ConstrainedSystem>,
 }
@@ -106,62 +105,55 @@ pub fn bind(region: &Region, options: &Options, job: &Job) -> Result<Box<dyn Met
 impl RotationInvariant {
     fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let (mesh, constraints) = (region.mesh(), region.constraints());
-        let weights = edge_weights(mesh, options.weights);
-        let positions = ConstrainedSystem::new(&laplacian(mesh, &weights), constraints.clone(), job)?;
+        let weights = match options.weights {
+            Weights::Uniform => vec![1.0; mesh.adjacency().edges().len()],
+            Weights::Cotangent => edge_weights(mesh, mesh.half_cotangents()),
+        };
+        let (owners, of_edges) = (Owners::Edges, stitch::Weights::Edges(&weights));
+        let stitcher = Stitcher::new(mesh.clone(), owners, of_edges, None, constraints.clone(), job)?;
         let frames = match options.frames {
             Frames::Uniform => None,
             Frames::Principal => {
                 let weights = principal_weights(mesh, &weights);
-                let (matrix, symbolic) = (laplacian(mesh, &weights), positions.symbolic());
-                Some(ConstrainedSystem::with_symbolic(&matrix, constraints.clone(), Some(symbolic), job)?)
+                let edges = mesh.adjacency().edges().iter().zip(&weights).map(|(&[i, j], &w)| (i, j, w));
+                let matrix = SymmetricMatrix::laplacian(mesh.rest().len(), edges);
+                let symbolic = Some(stitcher.system().symbolic());
+                Some(ConstrainedSystem::with_symbolic(&matrix, constraints.clone(), symbolic, job)?)
             }
         };
-        Ok(Self { options: options.clone(), weights, positions, frames })
+        Ok(Self { options: options.clone(), stitcher, frames })
     }
 
-    /// `R_i` of every vertex.
-    fn rotations(&self, region: &Region, goal: &Goal) -> Vec<Mat3> {
-        let system = self.frames.as_ref().unwrap_or(&self.positions);
+    /// `R_i - I` of every vertex.
+    fn changes(&self, region: &Region, goal: &Goal) -> Vec<Mat3> {
+        let system = self.frames.as_ref().unwrap_or(self.stitcher.system());
         if self.options.interpolation == Interpolation::RotationVector {
-            return field::rotations(system, region, goal);
+            return field::rotations(system, region, goal).into_iter().map(|r| r - Mat3::IDENTITY).collect();
         }
         let matrix = |h: usize| {
             let motion = &goal.handles[h];
             if self.options.project { exp(motion.rotation) } else { motion.linear }
         };
-        let mut block = Columns::zeros(region.mesh().rest().len(), 9);
-        for column in 0..3 {
-            // The unknown is `R - I`, which is zero where the surface stays.
-            let given = region.at_handles(|h| (matrix(h) - Mat3::IDENTITY).col(column));
-            given.into_iter().enumerate().for_each(|(v, value)| block.set_vector(column, v, value));
-        }
-        field::spread(system, &mut block);
-        let columns = [0, 1, 2].map(|column| block.vectors(column));
-        let sum = |v| Mat3::IDENTITY + Mat3::from_cols(columns[0][v], columns[1][v], columns[2][v]);
-        let rotation = |v| if self.options.project { nearest_rotation(sum(v)) } else { sum(v) };
-        (0..block.rows()).into_par_iter().map(rotation).collect()
+        // The unknown is `R - I`, which is zero where the surface stays.
+        let mut columns =
+            [0, 1, 2].map(|column| region.at_handles(|h| (matrix(h) - Mat3::IDENTITY).col(column)));
+        system.spread(&mut columns);
+        let change = |v: usize| Mat3::from_cols(columns[0][v], columns[1][v], columns[2][v]);
+        let projected = |v| nearest_rotation(Mat3::IDENTITY + change(v)) - Mat3::IDENTITY;
+        let change = |v| if self.options.project { projected(v) } else { change(v) };
+        (0..columns[0].len()).into_par_iter().map(change).collect()
     }
 }
 
 impl Response for RotationInvariant {
     fn systems(&self) -> Vec<&ConstrainedSystem> {
-        self.frames.iter().chain([&self.positions]).collect()
+        self.frames.iter().chain([self.stitcher.system()]).collect()
     }
 
     fn displacements(&self, region: &Region, goal: &Goal) -> Vec<Vec3> {
-        let rotations = self.rotations(region, goal);
-        let (mesh, rest) = (region.mesh(), region.mesh().rest());
-        let mut asked = vec![Vec3::ZERO; rest.len()];
-        for (&[i, j], &w) in mesh.adjacency().edges().iter().zip(&self.weights) {
-            let (i, j) = (i as usize, j as usize);
-            let mean = (rotations[i] + rotations[j]) * 0.5;
-            let change = (mean - Mat3::IDENTITY) * (rest[j] - rest[i]) * w;
-            asked[i] -= change;
-            asked[j] += change;
-        }
-        let mut x = Columns::from_vectors(&goal.displacements);
-        self.positions.solve(&Columns::from_vectors(&asked), &mut x);
-        x.vectors(0)
+        let mut displacements = goal.displacements.clone();
+        self.stitcher.stitch(Reference::Rest, &self.changes(region, goal), &mut displacements);
+        displacements
     }
 }
 
@@ -174,28 +166,6 @@ impl Method for RotationInvariant {
         job.check()?;
         Ok(Solution::direct(self.displacements(region, goal)))
     }
-}
-
-fn laplacian(mesh: &Mesh, weights: &[f64]) -> SymmetricMatrix {
-    let edges = mesh.adjacency().edges().iter().zip(weights).map(|(&[i, j], &w)| (i, j, w));
-    SymmetricMatrix::laplacian(mesh.rest().len(), edges)
-}
-
-/// 1, or the sum of half the cotangents opposite.
-fn edge_weights(mesh: &Mesh, weights: Weights) -> Vec<f64> {
-    let edges = mesh.adjacency().edges();
-    if weights == Weights::Uniform {
-        return vec![1.0; edges.len()];
-    }
-    let opposite = |edge: [u32; 2], t: usize| {
-        let apex = mesh.triangles()[t].iter().position(|v| !edge.contains(v));
-        apex.map_or(0.0, |corner| mesh.half_cotangents()[t][corner])
-    };
-    let sum = |(e, &edge): (usize, &[u32; 2])| {
-        let sides = mesh.adjacency().sides_of(e).iter();
-        sides.map(|side| opposite(edge, side.triangle as usize)).sum()
-    };
-    edges.iter().enumerate().map(sum).collect()
 }
 
 /// The weights times the edges' alignment with the direction of largest curvature, `1 + a cos 2 psi` at

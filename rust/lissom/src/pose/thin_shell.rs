@@ -17,7 +17,7 @@
 use super::field::{inverse_mass, polyharmonic};
 use super::goal::Goal;
 use super::region::Region;
-use super::responses::{Response, axis_by_axis};
+use super::responses::{Response, minima};
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::{Error, Fault, Job, Result, Vec3};
@@ -103,6 +103,6 @@ impl Response for ThinShell {
     }
 
     fn displacements_of(&self, _region: &Region, goals: &[Goal]) -> Vec<Vec<Vec3>> {
-        axis_by_axis(&self.system, goals, |x| self.product(x))
+        minima(&self.system, goals, |x| self.product(x))
     }
 }

@@ -23,7 +23,7 @@ const BLOCK: usize = 4096;
 
 /// The last steps of a descent.
 #[derive(Debug, Default)]
-pub(crate) struct Lbfgs {
+pub(super) struct Lbfgs {
     /// Oldest first.
     steps: Vec<Step>,
     last: Option<Last>,
@@ -95,7 +95,7 @@ impl Lbfgs {
 }
 
 /// `a.b`, summed in blocks.
-pub(crate) fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
+pub(super) fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
     let blocks: Vec<f64> = (a.par_chunks(BLOCK).zip(b.par_chunks(BLOCK)))
         .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum())
         .collect();

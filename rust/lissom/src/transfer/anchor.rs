@@ -14,7 +14,7 @@
 //! and applied to the component as it is, so that similarities come over as such.
 
 use super::choose::Chooser;
-use crate::geometry::rigid::Carry;
+use crate::geometry::rigid::{self, Alignment};
 use crate::{Mesh, Vec3};
 
 /// The pulls of one target.
@@ -41,15 +41,9 @@ impl Anchors {
             let imaged = members.into_iter().filter(|&v| chooser.has_image(v as usize));
             let vertices: Vec<(u32, f64)> =
                 imaged.map(|v| (v, mass[v as usize].max(f64::MIN_POSITIVE) / (length * length))).collect();
-            let spread = |at: &dyn Fn(u32) -> Vec3| {
-                let count = vertices.len() as f64;
-                let mean = vertices.iter().map(|&(v, _)| at(v)).sum::<Vec3>() / count;
-                let squares = vertices.iter().map(|&(v, _)| at(v).distance_squared(mean));
-                (squares.sum::<f64>() / count).sqrt()
-            };
-            let image = |v: u32| chooser.image(v as usize).unwrap_or_default();
-            let ratio = spread(&|v| target.rest()[v as usize]) / spread(&image);
-            let size = if ratio.is_finite() && ratio > 1e-3 && ratio < 1e3 { ratio } else { 1.0 };
+            let own = vertices.iter().map(|&(v, _)| target.rest()[v as usize]);
+            let images = vertices.iter().map(|&(v, _)| chooser.image(v as usize).unwrap_or_default());
+            let size = rigid::size_ratio(own, images);
             Part { vertices, size }
         };
         Self { parts: target.components().members().into_iter().map(part).collect() }
@@ -85,7 +79,7 @@ impl Part {
         }
         let from: Vec<Vec3> = vertices.clone().filter_map(|v| chooser.image(v as usize)).collect();
         let to: Vec<Vec3> = from.iter().zip(vertices.clone()).map(|(&p, v)| p + moved(v)).collect();
-        let carry = Carry::similar(&from, &to);
+        let carry = Alignment::of(from.iter().copied().zip(to.iter().copied())).similar();
         let rest = |v: u32| target.rest()[v as usize];
         let count = from.len() as f64;
         let centre = vertices.clone().map(rest).sum::<Vec3>() / count;

@@ -20,8 +20,8 @@ use super::contact::{self, Contact};
 use super::correspondence::Correspondence;
 use super::obstacle::{Least, Obstacles};
 use super::place::Placer;
-use crate::linear::{Columns, ConstrainedSystem, Constraints, REGULARIZED, SymmetricMatrix};
-use crate::stitch::Stitcher;
+use crate::linear::{ConstrainedSystem, Constraints, REGULARIZED};
+use crate::stitch::{Owners, Reference, Stitcher, Weights};
 use crate::{Error, Fault, Job, Mesh, Result, Vec3, memory};
 
 /// Keys solved together, between two looks at the job.
@@ -128,21 +128,15 @@ impl Transfer {
         let chooser = Chooser::new(&source, &target, &used.pairs, &used.images)?;
         job.check()?;
         let weights = weights(&target, &chooser, options.weighting);
-        let matrix = weighted_laplacian(&target, &weights);
-        // One vertex of each component is held, which fixes its translation until it is placed.
-        let mut held: Vec<bool> =
-            (0..target.vertices().len()).map(|v| target.components().of_vertex(v).is_none()).collect();
         let anchors = Anchors::new(&target, &chooser, &weights, options.anchor.min(LONGEST));
-        for (c, members) in target.components().members().iter().enumerate() {
-            held[members[0] as usize] |= !anchors.hold(c);
-        }
-        let constraints = Constraints::hard(held.len(), |v| held[v]).with_soft(anchors.soft());
-        let stitcher = Stitcher::with_matrix(&target, &matrix, constraints, job)?;
+        let constraints = Constraints::hard(target.rest().len(), |_| false).with_soft(anchors.soft());
+        let scaled = Weights::Scaled(&weights);
+        let stitcher = Stitcher::new(target.clone(), Owners::Triangles, scaled, None, constraints, job)?;
         job.check()?;
-        let placer = Placer::new(&source, &target, &matrix, &chooser, &anchors, options.unmatched);
+        let placer = Placer::new(&source, &target, stitcher.matrix(), &chooser, &anchors, options.unmatched);
         let closing = match options.contact {
             true => Some(Closing {
-                system: contact::system(&target, &matrix, job)?,
+                system: contact::system(&target, stitcher.matrix(), job)?,
                 obstacles: Obstacles::of(&target),
                 of_source: Obstacles::of(&source),
             }),
@@ -218,35 +212,27 @@ impl Transfer {
 
     fn apply_block(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<(Vec<Vec<Vec3>>, Duration)> {
         let n = self.target.vertices().len();
-        let mut rhs = Columns::zeros(n, 3 * poses.len());
-        let mut block = Columns::zeros(n, 3 * poses.len());
-        let columns = rhs.data_mut().par_chunks_mut(3 * n).zip(block.data_mut().par_chunks_mut(3 * n));
-        let keys: Vec<Moving> = poses
+        let (keys, (rhs, mut given)): (Vec<Moving>, (Vec<_>, Vec<_>)) = poses
             .par_iter()
-            .zip(columns)
-            .map(|(pose, (rhs, given))| {
+            .map(|pose| {
                 let key = SourceKey::of(&self.source, pose);
                 let moved = self.chooser.displacements(&key);
-                let (mut changes, moves) = self.chooser.changes(&self.target, &key, &moved);
-                if self.options.weighting != Weighting::Area {
-                    changes.iter_mut().zip(&self.weights).for_each(|(change, &weight)| *change *= weight);
-                }
-                self.stitcher.ask(&self.target, &changes, rhs);
+                let (changes, moves) = self.chooser.changes(&self.target, &key, &moved);
+                let rhs = self.stitcher.divergence(Reference::Rest, &changes);
+                let mut given = vec![Vec3::ZERO; n];
                 for (v, to) in self.anchors.targets(&self.target, &self.chooser, &moved) {
-                    (0..3).for_each(|axis| given[axis * n + v as usize] = to[axis]);
+                    given[v as usize] = to;
                 }
-                Moving { key, moved, moves }
+                (Moving { key, moved, moves }, (rhs, given))
             })
-            .collect();
+            .unzip();
         job.check()?;
         let start = Instant::now();
-        self.stitcher.system().solve(&rhs, &mut block);
+        self.stitcher.system().solve(&rhs, &mut given);
         let solving = start.elapsed();
         job.check()?;
-        let positions = (keys.par_iter().enumerate())
-            .map(|(k, moving)| self.finish(moving, block.vectors(k)))
-            .collect::<Result<_>>()?;
-        Ok((positions, solving))
+        let positions = keys.par_iter().zip(given).map(|(moving, found)| self.finish(moving, found));
+        Ok((positions.collect::<Result<_>>()?, solving))
     }
 
     /// What comes together in a key.
@@ -379,14 +365,6 @@ fn weights(target: &Mesh, chooser: &Chooser, weighting: Weighting) -> Vec<f64> {
         Weighting::Area => vec![1.0; areas.len()],
         Weighting::Pairs => areas.iter().enumerate().map(per_pair).collect(),
     }
-}
-
-/// The cotangent Laplacian with the share of each triangle multiplied by its weight.
-fn weighted_laplacian(mesh: &Mesh, weights: &[f64]) -> SymmetricMatrix {
-    let edges = mesh.triangles().iter().zip(mesh.half_cotangents()).zip(weights).flat_map(
-        |((&[a, b, c], w), &weight)| [(b, c, w[0] * weight), (c, a, w[1] * weight), (a, b, w[2] * weight)],
-    );
-    SymmetricMatrix::laplacian(mesh.vertices().len(), edges)
 }
 
 #[cfg(test)]

@@ -9,8 +9,10 @@
 use rayon::prelude::*;
 
 use super::image::Image;
+use crate::geometry::groups::Groups;
 use crate::geometry::matrix::outer;
-use crate::linear::{Columns, Factor, Symbolic, SymmetricMatrix};
+use crate::geometry::rows::Rows;
+use crate::linear::{Factor, Symbolic, SymmetricMatrix};
 use crate::operators::gradient::triangle_gradient;
 use crate::{Mat3, Mesh, Result, Vec3};
 
@@ -125,8 +127,8 @@ pub struct Chooser {
     points: Vec<Vec3>,
     /// The images of target triangles that are triangles like them.
     sound: Vec<Option<Frame>>,
-    start: Vec<u32>,
-    matches: Vec<u32>,
+    /// The source triangles matched with each target triangle.
+    matches: Rows<u32>,
     patches: Option<Patches>,
 }
 
@@ -135,9 +137,7 @@ struct Patches {
     triangles: Vec<u32>,
     /// Neighbours of a patch: place of the patch triangle, matched target triangle.
     border: Vec<(u32, u32)>,
-    /// The patch of each of them, and how many patches there are.
-    patch: Vec<u32>,
-    count: usize,
+    patches: Groups,
     factor: Factor,
 }
 
@@ -149,24 +149,16 @@ impl Chooser {
     ///
     /// [`crate::Error::SolveFailed`] where the patches without a match cannot be factored.
     pub fn new(source: &Mesh, target: &Mesh, pairs: &[[u32; 2]], images: &[Option<Image>]) -> Result<Self> {
-        let m = target.triangles().len();
         let mut sorted: Vec<[u32; 2]> = pairs.iter().map(|&[s, t]| [t, s]).collect();
         sorted.sort_unstable();
         sorted.dedup();
-        let mut start = vec![0u32; m + 1];
-        for &[t, _] in &sorted {
-            start[t as usize + 1] += 1;
-        }
-        for t in 0..m {
-            start[t + 1] += start[t];
-        }
-        let matches = sorted.into_iter().map(|[_, s]| s).collect();
+        let matches = Rows::sort(target.triangles().len(), sorted.into_iter().map(|[t, s]| (t, s)));
         let on = |image: &Image| (source.triangles()[image.triangle as usize], *image);
         let images: Vec<_> = images.iter().map(|image| image.as_ref().map(on)).collect();
         let at = |v: u32| source.rest()[v as usize];
         let points = images.iter().map(|i| i.map_or(Vec3::ZERO, |(t, image)| image.blend(t.map(at))));
         let points = points.collect();
-        let mut chooser = Self { images, points, sound: Vec::new(), start, matches, patches: None };
+        let mut chooser = Self { images, points, sound: Vec::new(), matches, patches: None };
         let corners =
             |(t, sound): (&[u32; 3], bool)| sound.then(|| Frame::of(t.map(|v| chooser.points[v as usize])));
         let sound = chooser.find_sound(source, target);
@@ -227,7 +219,7 @@ impl Chooser {
 
     /// The source triangles matched with a target triangle.
     pub fn matches(&self, triangle: usize) -> &[u32] {
-        &self.matches[self.start[triangle] as usize..self.start[triangle + 1] as usize]
+        self.matches.of(triangle)
     }
 
     fn unmatched(&self, target: &Mesh) -> Result<Option<Patches>> {
@@ -255,8 +247,8 @@ impl Chooser {
             matrix.add_to_diagonal(a as usize, 1.0);
         }
         let factor = Symbolic::analyse(&matrix)?.factor(&matrix)?;
-        let (patch, count) = groups(triangles.len(), &inner);
-        Ok(Some(Patches { triangles, border, patch, count, factor }))
+        let patches = Groups::joining(triangles.len(), inner.iter().map(|&(a, b)| [a, b]));
+        Ok(Some(Patches { triangles, border, patches, factor }))
     }
 
     /// Of every target triangle `C_t - I`, where the images have gone by `moved`, and whether it moves: its
@@ -283,50 +275,27 @@ impl Chooser {
 
 impl Patches {
     fn extend(&self, changes: &mut [Mat3]) {
-        let mut columns = Columns::zeros(self.triangles.len(), 9);
+        let mut columns = [0, 1, 2].map(|_| vec![Vec3::ZERO; self.triangles.len()]);
         for &(place, neighbour) in &self.border {
-            for (c, value) in changes[neighbour as usize].to_cols_array().into_iter().enumerate() {
-                columns.column_mut(c)[place as usize] += value;
+            for (c, column) in columns.iter_mut().enumerate() {
+                column[place as usize] += changes[neighbour as usize].col(c);
             }
         }
         self.factor.solve(&mut columns);
+        let [x, y, z] = columns;
         for (place, &t) in self.triangles.iter().enumerate() {
-            changes[t as usize] = Mat3::from_cols_array(&std::array::from_fn(|c| columns.column(c)[place]));
+            changes[t as usize] = Mat3::from_cols(x[place], y[place], z[place]);
         }
     }
 
     fn spread(&self, moves: &mut [bool]) {
-        let mut reached = vec![false; self.count];
+        let patch = self.patches.of();
+        let mut reached = vec![false; self.patches.count()];
         for &(place, neighbour) in &self.border {
-            reached[self.patch[place as usize] as usize] |= moves[neighbour as usize];
+            reached[patch[place as usize] as usize] |= moves[neighbour as usize];
         }
-        for (&t, &patch) in self.triangles.iter().zip(&self.patch) {
+        for (&t, &patch) in self.triangles.iter().zip(patch) {
             moves[t as usize] = reached[patch as usize];
         }
     }
-}
-
-/// Numbers the groups that `pairs` of `0..count` hang together in: each one's group, and how many.
-fn groups(count: usize, pairs: &[(u32, u32)]) -> (Vec<u32>, usize) {
-    let mut neighbours = vec![Vec::new(); count];
-    for &(a, b) in pairs {
-        neighbours[a as usize].push(b);
-        neighbours[b as usize].push(a);
-    }
-    let mut group = vec![u32::MAX; count];
-    let mut groups = 0;
-    for first in 0..count {
-        if group[first] != u32::MAX {
-            continue;
-        }
-        let mut open = vec![first];
-        while let Some(at) = open.pop() {
-            if group[at] == u32::MAX {
-                group[at] = groups;
-                open.extend(neighbours[at].iter().map(|&next| next as usize));
-            }
-        }
-        groups += 1;
-    }
-    (group, groups as usize)
 }

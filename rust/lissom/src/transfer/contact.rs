@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use super::choose::SourceKey;
 use super::correspondence::Correspondence;
 use crate::geometry::surface::Surface;
-use crate::linear::{Columns, ConstrainedSystem, Constraints, SymmetricMatrix};
+use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
 use crate::{Job, Mesh, Result, Vec3};
 
 /// Surfaces are in contact within this fraction of the source's diagonal ...
@@ -93,7 +93,7 @@ pub fn contacts(
 ) -> Vec<Contact> {
     let (rest, faces) = (source.rest(), source.triangles());
     let posed: Vec<Vec3> = rest.iter().zip(&key.displacement).map(|(&p, &d)| p + d).collect();
-    let [surface_at_rest, surface] = [rest, &posed[..]].map(|p| Surface::of(source, p));
+    let [surface_at_rest, surface] = [rest, &posed[..]].map(|p| Surface::of(faces, p));
     let component = |v: u32| target.components().of_vertex(v as usize);
     let contact = |v: usize| {
         let image = matches.images[v]?;
@@ -161,9 +161,10 @@ pub fn close(target: &Mesh, system: &ConstrainedSystem, contacts: &[Contact], di
             contact.place.iter().for_each(|&(v, weight)| sums[v as usize] += y * weight);
             sums[contact.vertex as usize] -= y;
         }
-        let mut x = Columns::zeros(displacements.len(), 3);
-        system.solve(&Columns::from_vectors(&sums), &mut x);
-        x.vectors(0)
+        let mut x = [vec![Vec3::ZERO; displacements.len()]];
+        system.solve(&[sums], &mut x);
+        let [x] = x;
+        x
     };
     let dot = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
     let missing = |c: &Contact| c.gap - c.difference(target.rest()) - c.difference(displacements);

@@ -14,7 +14,7 @@
 //! triangle, `Q_i^T = B_i u_i`, so the normal matrix is assembled from the 4 x 4 blocks `B_i^T B_i` and
 //! `-B_i^T B_j`; no rectangular matrix is formed. Fixed vertices are eliminated exactly on the way.
 
-use crate::linear::{Columns, Factor, Symbolic, SymmetricMatrix};
+use crate::linear::{Factor, Symbolic, SymmetricMatrix};
 use crate::operators::hat_gradients;
 use crate::{Mesh, Result, Vec3};
 
@@ -137,14 +137,14 @@ impl Energy {
     /// The positions of least energy, for closest points `points` pulled with the weights that
     /// `factor` was made with. Fixed positions in `x` stay as they are.
     pub fn minimise(&self, factor: &Factor, pull: &[f64], points: &[Vec3], x: &mut [Vec3]) {
-        let mut columns = Columns::from_vectors(&self.rhs);
+        let mut sets = [self.rhs.clone()];
         for v in 0..self.vertices {
             if let Some(row) = self.slot[v] {
-                columns.set_vector(0, row as usize, self.rhs[row as usize] + points[v] * pull[v]);
+                sets[0][row as usize] += points[v] * pull[v];
             }
         }
-        factor.solve(&mut columns);
-        let solved = columns.vectors(0);
+        factor.solve(&mut sets);
+        let [solved] = sets;
         for (position, slot) in x.iter_mut().zip(&self.slot) {
             if let Some(row) = slot {
                 *position = solved[*row as usize];

@@ -25,7 +25,7 @@ use super::image::{self, Image};
 use super::markers::{self, Marker};
 use super::matching;
 use super::partners::{Overlap, Partners, triangle_components};
-use crate::geometry::rigid::Carry;
+use crate::geometry::rigid::Alignment;
 use crate::geometry::surface::{Hit, Surface};
 use crate::geometry::triangle::{normal_and_area, vertex_normals};
 use crate::operators::gradient::triangle_gradient;
@@ -342,9 +342,8 @@ fn carry_unmarked(source: &Mesh, marked: &[bool], x: &mut [Vec3]) {
         let mut beside: Vec<u32> = beside.flat_map_iter(|hit| anchors[hit.triangle]).collect();
         beside.sort_unstable();
         beside.dedup();
-        let from: Vec<Vec3> = beside.iter().map(|&v| source.rest()[v as usize]).collect();
-        let to: Vec<Vec3> = beside.iter().map(|&v| x[v as usize]).collect();
-        let carry = Carry::similar(&from, &to);
+        let carry =
+            Alignment::of(beside.iter().map(|&v| (source.rest()[v as usize], x[v as usize]))).similar();
         for &v in members {
             x[v as usize] = carry.apply(source.rest()[v as usize]);
         }
@@ -374,7 +373,7 @@ impl Onto {
         let masked_source = flags("source_mask", source, &options.source_mask)?;
         let masked_target = flags("target_mask", target, &options.target_mask)?;
         let masked_triangles = matching::masked_triangles(target, &masked_target);
-        let surface = Surface::of(target, target.rest());
+        let surface = Surface::of(target.triangles(), target.rest());
         Ok(Self { surface, masked_source, masked_target, masked_triangles })
     }
 }
@@ -463,7 +462,7 @@ fn conclude(
     (report.distance_mean, report.distance_max) = (mean * frame.scale, largest * frame.scale);
     (report.distance_mean_percent, report.distance_max_percent) = (100.0 * mean, 100.0 * largest);
 
-    let fitted = Surface::of(source, x);
+    let fitted = Surface::of(source.triangles(), x);
     let sides = [
         matching::Side::new(source, x, &fitted, &onto.masked_source),
         matching::Side::new(target, target.rest(), &onto.surface, &onto.masked_target),

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use crate::geometry::rigid::{self, Alignment};
 use crate::{Error, Fault, Mesh, Result, Vec3, rotation};
 
 /// Markers are collinear when none lies further than this fraction of their extent from a line.
@@ -72,7 +73,8 @@ pub fn check(
     } else if collinear(&rests) || collinear(&goals) {
         warnings.push("markers: all on one line, so the turn about it is left open".into());
     } else {
-        let degrees = turn(&rests, &goals).to_degrees();
+        let motion = Alignment::of(found.iter().map(|m| (m.rest, m.goal)));
+        let degrees = rotation::log(motion.rotation()).length().to_degrees();
         if degrees > TURNED_DEGREES {
             warnings.push(format!(
                 "markers: the target is turned by {degrees:.0} degrees against the source; turn one to \
@@ -111,16 +113,7 @@ fn collinear(offsets: &[Vec3]) -> bool {
     offsets.iter().all(|p| p.reject_from_normalized(axis).length() <= COLLINEAR * far.length())
 }
 
-/// How far the target's markers are turned against the source's: the angle of the nearest rotation.
-fn turn(source: &[Vec3], target: &[Vec3]) -> f64 {
-    let covariance = source.iter().zip(target).map(|(&s, &t)| crate::geometry::matrix::outer(t, s)).sum();
-    rotation::log(rotation::nearest_rotation(covariance)).length()
-}
-
-/// Size of the target over size of the source, both in unit coordinates: the root mean square spread
-/// of their markers. 1 (boxes of one size) where the markers have no spread.
+/// Size of the target over size of the source, both in unit coordinates, by their markers.
 pub fn size_ratio(markers: &[Marker]) -> f64 {
-    let [source, target] = offsets(markers).map(|o| o.iter().map(|p| p.length_squared()).sum::<f64>().sqrt());
-    let ratio = target / source;
-    if ratio.is_finite() && ratio > 1e-3 && ratio < 1e3 { ratio } else { 1.0 }
+    rigid::size_ratio(markers.iter().map(|m| m.goal), markers.iter().map(|m| m.rest))
 }

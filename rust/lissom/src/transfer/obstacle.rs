@@ -15,7 +15,7 @@
 
 use rayon::prelude::*;
 
-use crate::geometry::surface::Surface;
+use crate::geometry::solid::{Side, Solid};
 use crate::{Mesh, Vec3};
 
 /// How far outside vertices are kept, a fraction of the target's diagonal: their triangles are then outside too.
@@ -50,23 +50,43 @@ pub enum Least {
 
 /// The solids of a mesh.
 pub struct Obstacles {
-    solids: Vec<Solid>,
+    solids: Vec<Obstacle>,
     /// The area of each component.
     areas: Vec<f64>,
 }
 
-struct Solid {
+/// A component that keeps others out.
+struct Obstacle {
     component: usize,
+    vertices: Vec<u32>,
+    /// The corners of its triangles, by their place among its vertices.
     triangles: Vec<[u32; 3]>,
-    rest: Surface,
+    rest: Solid,
 }
 
-/// How far a vertex is outside of a surface, and the way out there.
-struct Depth {
-    outside: f64,
-    out: Vec3,
-    triangle: usize,
-    weights: Vec3,
+impl Obstacle {
+    fn new(mesh: &Mesh, component: usize, triangles: &[[u32; 3]]) -> Option<Self> {
+        let mut vertices: Vec<u32> = triangles.iter().flatten().copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let place = |v: u32| vertices.partition_point(|&w| w < v) as u32;
+        let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(place)).collect();
+        let rest = vertices.iter().map(|&v| mesh.rest()[v as usize]).collect();
+        let rest = Solid::new(rest, triangles.clone())?;
+        Some(Self { component, vertices, triangles, rest })
+    }
+
+    /// Where it is once `displacements` are on.
+    fn posed(&self, mesh: &Mesh, displacements: &[Vec3]) -> Option<Solid> {
+        let at = |&v: &u32| mesh.rest()[v as usize] + displacements[v as usize];
+        Solid::new(self.vertices.iter().map(at).collect(), self.triangles.clone())
+    }
+
+    /// What `values` at the vertices of the mesh are at a place of this surface.
+    fn blend(&self, side: &Side, values: &[Vec3]) -> Vec3 {
+        let corners = self.triangles[side.hit.triangle].map(|place| self.vertices[place as usize]);
+        (0..3).map(|k| values[corners[k] as usize] * side.weights[k]).sum()
+    }
 }
 
 impl Obstacles {
@@ -76,7 +96,7 @@ impl Obstacles {
         let component = |v: u32| components.of_vertex(v as usize);
         let mut areas = vec![0.0; components.count()];
         let mut triangles = vec![Vec::new(); components.count()];
-        for (t, area) in target.triangles().iter().zip(target.areas()) {
+        for (t, area) in target.outward_triangles().iter().zip(target.areas()) {
             if let Some(c) = component(t[0]) {
                 areas[c] += area;
                 triangles[c].push(*t);
@@ -91,21 +111,18 @@ impl Obstacles {
         }
         let largest = areas.iter().copied().fold(0.0, f64::max);
         let is_solid = |&c: &usize| areas[c] < SMALLER * largest && (open[c] as f64) < OPEN * edges[c] as f64;
-        let solids: Vec<Solid> = triangles
-            .into_iter()
+        let solids: Vec<Obstacle> = triangles
+            .iter()
             .enumerate()
             .filter(|(c, triangles)| is_solid(c) && convex(target, triangles))
-            .map(|(component, triangles)| {
-                let rest = surface(&triangles, |v| target.rest()[v as usize]);
-                Solid { component, triangles, rest }
-            })
+            .filter_map(|(component, triangles)| Obstacle::new(target, component, triangles))
             .collect();
         (!solids.is_empty()).then_some(Self { solids, areas })
     }
 
-    fn posed(&self, mesh: &Mesh, displacements: &[Vec3]) -> Vec<Surface> {
-        let at = |v: u32| mesh.rest()[v as usize] + displacements[v as usize];
-        self.solids.iter().map(|solid| surface(&solid.triangles, at)).collect()
+    /// The solids where `displacements` take them.
+    fn posed(&self, mesh: &Mesh, displacements: &[Vec3]) -> Vec<(&Obstacle, Solid)> {
+        self.solids.iter().filter_map(|solid| Some((solid, solid.posed(mesh, displacements)?))).collect()
     }
 
     /// For each point of a component, given with a vertex of it, how far it is outside of the solids once
@@ -120,13 +137,14 @@ impl Obstacles {
         let of = |point: &Option<(u32, Vec3)>| {
             let (vertex, point) = (*point)?;
             let own = mesh.components().of_vertex(vertex as usize)?;
-            let near = self.solids.iter().zip(&posed).filter(|(solid, _)| self.gives_way(own, solid));
-            near.filter_map(|(_, posed)| Some(depth(posed, point)?.outside)).min_by(f64::total_cmp)
+            let near = posed.iter().filter(|(solid, _)| self.gives_way(own, solid));
+            near.filter_map(|(_, posed)| Some(posed.side(point, REACH)?.signed_distance))
+                .min_by(f64::total_cmp)
         };
         points.par_iter().map(of).collect()
     }
 
-    fn gives_way(&self, component: usize, solid: &Solid) -> bool {
+    fn gives_way(&self, component: usize, solid: &Obstacle) -> bool {
         self.areas[solid.component] < SMALLER * self.areas[component]
     }
 
@@ -139,21 +157,21 @@ impl Obstacles {
             let d = displacements[v as usize];
             let own = target.components().of_vertex(v as usize).filter(|_| d != Vec3::ZERO)?;
             let at = rest[v as usize];
-            let near = self.solids.iter().zip(&posed).filter(|(solid, _)| self.gives_way(own, solid));
+            let near = posed.iter().filter(|(solid, _)| self.gives_way(own, solid));
             let short = near.filter_map(|(solid, posed)| {
-                let now = depth(posed, at + d).filter(|now| now.outside < CLEAR)?;
+                let now = posed.side(at + d, REACH).filter(|now| now.signed_distance < CLEAR)?;
                 let wanted = match least[v as usize] {
                     Least::Outside(distance) => distance.min(CLEAR),
                     Least::Travelled => {
-                        let corners = solid.triangles[now.triangle];
-                        let carried: Vec3 =
-                            (0..3).map(|k| displacements[corners[k] as usize] * now.weights[k]).sum();
-                        let before = depth(&solid.rest, at).map_or(CLEAR, |before| before.outside);
+                        let carried = solid.blend(&now, displacements);
+                        let before =
+                            solid.rest.side(at, REACH).map_or(CLEAR, |before| before.signed_distance);
                         let beyond = ((d - carried).length() - before.abs()).max(0.0);
                         CLEAR.min(before + beyond)
                     }
                 };
-                (now.outside < wanted - SLACK).then(|| now.out * (wanted - now.outside))
+                let missing = wanted - now.signed_distance;
+                (missing > SLACK).then(|| now.out * missing)
             });
             let short: Vec3 = short.sum();
             (short != Vec3::ZERO).then_some((v, short))
@@ -177,15 +195,4 @@ fn convex(mesh: &Mesh, triangles: &[[u32; 3]]) -> bool {
     };
     let count: usize = some().map(in_front).sum();
     (count as f64) < DENTED * (some().count() * triangles.len()) as f64
-}
-
-fn surface(triangles: &[[u32; 3]], at: impl Fn(u32) -> Vec3) -> Surface {
-    Surface::new(triangles.iter().map(|t| t.map(&at)).collect())
-}
-
-fn depth(surface: &Surface, point: Vec3) -> Option<Depth> {
-    let hit = surface.closest_point_within(point, REACH)?;
-    let out = surface.normals()[hit.triangle];
-    let outside = if (point - hit.point).dot(out) < 0.0 { -hit.distance } else { hit.distance };
-    Some(Depth { outside, out, triangle: hit.triangle, weights: surface.weights(hit.triangle, hit.point) })
 }

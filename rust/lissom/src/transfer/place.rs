@@ -11,7 +11,8 @@
 use super::anchor::Anchors;
 use super::apply::Unmatched;
 use super::choose::{Chooser, SourceKey};
-use crate::geometry::rigid::Carry;
+use crate::geometry::rigid::{self, Alignment};
+use crate::geometry::rows::Rows;
 use crate::geometry::surface::Surface;
 use crate::linear::SymmetricMatrix;
 use crate::{Mesh, Vec3};
@@ -26,8 +27,7 @@ const SWEEPS: usize = 2;
 pub struct Placer {
     parts: Vec<Part>,
     /// Full rows of the stitching matrix, for the smoothing.
-    start: Vec<u32>,
-    row: Vec<(u32, f64)>,
+    rows: Rows<(u32, f64)>,
 }
 
 struct Part {
@@ -51,19 +51,6 @@ impl Placer {
         anchors: &Anchors,
         unmatched: Unmatched,
     ) -> Self {
-        let n = target.vertices().len();
-        let mut rows = vec![Vec::new(); n];
-        for (i, j, value) in matrix.entries() {
-            rows[i as usize].push((j, value));
-            if i != j {
-                rows[j as usize].push((i, value));
-            }
-        }
-        let mut start = vec![0u32];
-        start.extend(rows.iter().scan(0u32, |sum, row| {
-            *sum += row.len() as u32;
-            Some(*sum)
-        }));
         let mut parts: Vec<Part> = target
             .components()
             .members()
@@ -82,7 +69,7 @@ impl Placer {
         for part in &mut parts {
             part.size = part.size_ratio(source, target, chooser);
         }
-        let mut placer = Self { parts, start, row: rows.into_iter().flatten().collect() };
+        let mut placer = Self { parts, rows: matrix.rows() };
         placer.find_neighbours(target, chooser, unmatched);
         placer
     }
@@ -226,7 +213,7 @@ impl Placer {
     }
 
     fn row(&self, v: u32) -> &[(u32, f64)] {
-        &self.row[self.start[v as usize] as usize..self.start[v as usize + 1] as usize]
+        self.rows.of(v as usize)
     }
 }
 
@@ -239,16 +226,10 @@ impl Part {
         };
         let matched =
             || self.triangles.iter().flat_map(|&t| chooser.matches(t as usize).iter().map(move |&s| (s, t)));
-        let spread = |at: &dyn Fn((u32, u32)) -> Vec3| {
-            let (mut sum, mut squares, mut count) = (Vec3::ZERO, 0.0, 0.0);
-            for pair in matched() {
-                let p = at(pair);
-                (sum, squares, count) = (sum + p, squares + p.length_squared(), count + 1.0);
-            }
-            (squares / count - (sum / count).length_squared()).max(0.0).sqrt()
-        };
-        let ratio = spread(&|(_, t)| centroid(target, t)) / spread(&|(s, _)| centroid(source, s));
-        if ratio.is_finite() && ratio > 1e-3 && ratio < 1e3 { ratio } else { 1.0 }
+        rigid::size_ratio(
+            matched().map(|(_, t)| centroid(target, t)),
+            matched().map(|(s, _)| centroid(source, s)),
+        )
     }
 
     /// The shift that brings the mean displacement of the matched triangles to that of their matches.
@@ -273,7 +254,7 @@ impl Part {
         let moves = beside.iter().any(|&v| displacements[v as usize] != Vec3::ZERO);
         let from: Vec<Vec3> = beside.iter().map(|&v| target.rest()[v as usize]).collect();
         let to: Vec<Vec3> = beside.iter().zip(&from).map(|(&v, &p)| p + displacements[v as usize]).collect();
-        let carry = Carry::rigid(&from, &to);
+        let carry = Alignment::of(from.into_iter().zip(to)).rigid();
         for &v in &self.vertices {
             let rest = target.rest()[v as usize];
             displacements[v as usize] = if moves { carry.apply(rest) - rest } else { Vec3::ZERO };
