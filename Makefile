@@ -27,10 +27,10 @@ all: extension
 
 PIP_INSTALL := -m pip install -q --disable-pip-version-check
 
-$(TOOLS):
+$(TOOLS): Makefile
 	$(PYTHON) -m venv .venv/tools
 	.venv/tools/bin/python $(PIP_INSTALL) 'maturin>=1.9,<2' 'numpy>=1.26' 'pytest>=8,<10' 'ruff>=0.8,<1' \
-		'mypy>=1.15,<2'
+		'mypy>=1.15,<2' 'hypothesis>=6,<7' 'grimp>=3,<4'
 	touch $@
 
 $(WHEEL): $(TOOLS) $(RUST) $(PYTHON_SOURCE) LICENSE

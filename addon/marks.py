@@ -8,8 +8,8 @@ from gpu_extras.batch import batch_for_shader
 
 from . import session
 from .bridge import picking
+from .bridge.markers import marks_of
 from .core.marks import colour
-from .operators.transfer_pick import marks_of
 
 RADIUS, RIM, TEXT = 5.5, 1.5, 12  # pixels
 _TURN = np.linspace(0, 2 * np.pi, 17)

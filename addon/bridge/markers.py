@@ -3,6 +3,7 @@
 import bpy
 import numpy as np
 
+from .. import session
 from ..core import markers, marks
 from ..core.refused import Refused, first
 from .assembly import both_sides
@@ -146,3 +147,13 @@ def put(scene, pairs, source=None, target=None):
     for side, obj in zip(SIDES, ends, strict=True):
         setattr(settings, f"{side}_edges", edge_signature(obj.data) if all(ends) else UNKNOWN)
     settings.active_marker = max(0, min(settings.active_marker, len(rows) - 1))
+
+
+def marks_of(context):
+    """(number, side, vertex) of all marks; number -1 is that of the pair that is begun."""
+    for number, row in enumerate(context.scene.lissom_transfer.markers):
+        for side in SIDES:
+            yield number, side, getattr(row, side)
+    begun = session.picking
+    if begun is not None and begun.side:
+        yield -1, begun.side, begun.vertex

@@ -5,6 +5,7 @@ import numpy as np
 GOOD, DOUBTFUL, BAD = (0.16, 0.42, 0.75), (0.95, 0.85, 0.25), (0.85, 0.12, 0.08)
 FLIPPED = (0.85, 0.10, 0.75)
 UNMATCHED = (0.22, 0.22, 0.24)
+LIMIT = 0.005  # of the target's diagonal: from here on a vertex is shown as bad
 
 LEGEND = (
     "Blue: on the other surface. Yellow to red: off it by up to {limit:.2g} % of its size. "

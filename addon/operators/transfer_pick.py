@@ -129,7 +129,7 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
     def _mark_under(self, context, depsgraph, region, view, spot):
         """(number, side) of the mark under the mouse; -1 is that of the pair that is begun; or None."""
         near = []
-        for number, side, vertex in marks_of(context):
+        for number, side, vertex in bridge_markers.marks_of(context):
             obj = self._ends[SIDES.index(side)]
             shown = picking.shown_mesh(obj, depsgraph)
             place = picking.on_screen(obj, vertex, shown, region, view)
@@ -205,16 +205,6 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
     def _done(self, message):
         bpy.ops.ed.undo_push(message=message)
         redraw_sidebars()
-
-
-def marks_of(context):
-    """(number, side, vertex) of all marks; number -1 is that of the pair that is begun."""
-    for number, row in enumerate(context.scene.lissom_transfer.markers):
-        for side in SIDES:
-            yield number, side, getattr(row, side)
-    begun = session.picking
-    if begun is not None and begun.side:
-        yield -1, begun.side, begun.vertex
 
 
 def _name(scene):

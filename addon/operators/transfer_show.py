@@ -9,12 +9,10 @@ from ..bridge import checks, colours
 from ..bridge import markers as bridge_markers
 from ..bridge.assembly import Assembly
 from ..core import markers
-from ..core.colours import of_fit
+from ..core.colours import LIMIT, of_fit
 from ..core.refused import Refused
 from ..core.suggest import suggest
 from .job import allowed, answering
-
-LIMIT = 0.005  # of the target's diagonal: from here on a vertex is shown as bad
 
 
 def _remembered():

@@ -6,9 +6,8 @@ from .. import session
 from ..bridge import colours, shape_keys
 from ..bridge import markers as bridge_markers
 from ..bridge.assembly import both_sides
-from ..core.colours import LEGEND
+from ..core.colours import LEGEND, LIMIT
 from ..core.refused import Refused
-from ..operators.transfer_show import LIMIT
 from .common import Sidebar, draw_lines, draw_progress, split_column
 
 

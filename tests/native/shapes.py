@@ -70,16 +70,6 @@ def prism(rows: int = 100, columns: int = 32, length: float = 6.0, square: bool 
     return vertices, np.concatenate([grid_faces(rows, columns, closed=True), *caps])
 
 
-def soup(seed) -> tuple[np.ndarray, np.ndarray]:
-    """Up to sixty random triangles, often with parts many magnitudes smaller than others."""
-    rng = np.random.default_rng(seed)
-    n, spread = int(rng.integers(4, 40)), rng.choice([0, 3, 150])
-    vertices = rng.normal(size=(n, 3)) * 10.0 ** rng.uniform(-spread, 0, size=(n, 1))
-    vertices[:3] = np.eye(3)
-    faces = rng.integers(0, n, size=(int(rng.integers(1, 60)), 3))
-    return vertices, np.concatenate([[[0, 1, 2]], faces])
-
-
 def bend(vertices: np.ndarray, angle: float, share: float = 0.1) -> np.ndarray:
     """Where the last `share` along x goes when the middle axis bends to an arc of its own length."""
     start, end = share * vertices[:, 0].max(), (1 - share) * vertices[:, 0].max()

@@ -9,10 +9,104 @@ import time
 import lissom
 import numpy as np
 import pytest
-from shapes import ends, rigid, tube
+from shapes import ends, moved, rigid, tube
 
 GOAL = [np.eye(4), rigid((0, 1, 0), 2.5, (0, 1, -2))]
 ENDLESS = {"max_iterations": 10**9, "tolerance": 0.0}
+
+VERTICES, FACES = tube(rows=24, columns=16)
+MESH = lissom.Mesh(VERTICES, FACES)
+SAME = np.column_stack([np.arange(len(FACES))] * 2)
+MARKERS = [[0, 0], [7, 7], [200, 200], [370, 370], [380, 380]]
+KEYS = np.stack([VERTICES + np.sin(VERTICES), VERTICES])
+TURNED = moved(rigid((1, 1, 0), 2.0), VERTICES)
+# Options of all kinds, that they arrive by both ways.
+BINDING = {
+    "handles": ends(VERTICES),
+    "roi": np.flatnonzero(VERTICES[:, 0] > 0.2),
+    "method": "arap",
+    "handle_weights": [None, np.full(len(ends(VERTICES)[1]), 0.5)],
+    "cells": "spokes",
+}
+SOLVING = {"max_iterations": 20, "tolerance": 0.0, "warm_start": False}
+
+
+def bound():
+    return lissom.Pose(MESH, **BINDING)
+
+
+def prepared():
+    return lissom.Transfer(MESH, MESH, SAME)
+
+
+def path():
+    return lissom.Inbetween(MESH, VERTICES, TURNED)
+
+
+# Every call that may take long: what it returns, and the job of it.
+CALLS = {
+    "Pose": (bound, lambda: lissom.start_pose(MESH, **BINDING)),
+    "Pose.solve": (lambda: bound().solve(GOAL, **SOLVING), lambda: bound().start(GOAL, **SOLVING)),
+    "fit_correspondence": (
+        lambda: lissom.fit_correspondence(MESH, MESH, MARKERS, steps=2, target_mask=[9]),
+        lambda: lissom.start_fit(MESH, MESH, MARKERS, steps=2, target_mask=[9]),
+    ),
+    "Transfer": (
+        lambda: lissom.Transfer(MESH, MESH, SAME[:-9], unmatched="rest"),
+        lambda: lissom.start_transfer(MESH, MESH, SAME[:-9], unmatched="rest"),
+    ),
+    "Transfer.apply": (lambda: prepared().apply(KEYS), lambda: prepared().start(KEYS)),
+    "Transfer.quality": (
+        lambda: prepared().quality(KEYS, KEYS[::-1]),
+        lambda: prepared().start_quality(KEYS, KEYS[::-1]),
+    ),
+    "Inbetween": (
+        lambda: lissom.Inbetween(MESH, VERTICES, TURNED, "shortest", stretch="logarithmic"),
+        lambda: lissom.start_inbetween(MESH, VERTICES, TURNED, "shortest", stretch="logarithmic"),
+    ),
+    "Inbetween.at": (lambda: path().at([0.3, 0.8]), lambda: path().start([0.3, 0.8])),
+    "Inbetween.keyframes, tolerance": (
+        lambda: path().keyframes(0.01),
+        lambda: path().start_keyframes(0.01),
+    ),
+    "Inbetween.keyframes, count": (
+        lambda: path().keyframes(count=4),
+        lambda: path().start_keyframes(count=4),
+    ),
+}
+
+
+def parts(result):
+    """What a call found, as arrays, lists and numbers; of what it prepared, what that answers."""
+    if isinstance(result, lissom.Pose):
+        return [result.warnings, *parts(result.solve(GOAL, **SOLVING))]
+    if isinstance(result, lissom.Transfer):
+        return [result.warnings, *parts(result.apply(KEYS))]
+    if isinstance(result, lissom.Inbetween):
+        return [result.warnings, result.at([0.3, 0.8])]
+    if isinstance(result, dict):
+        return [result[name] for name in sorted(result) if "seconds" not in name]
+    if isinstance(result, lissom.Fit):
+        return [result.pairs, result.fitted_vertices, result.image_weights, *parts(result.report)]
+    if hasattr(result, "report"):
+        return [result.vertices, *parts(result.report)]
+    return [getattr(result, "times", result)]
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_a_job_finds_what_the_call_finds(name):
+    call, start = CALLS[name]
+    job = start()
+    result = job.result()
+    assert job.done
+    assert job.progress[0] == 1.0 or name not in ("Pose", "fit_correspondence")
+    assert job.result() is result
+    expected = call()
+    assert type(result) is type(expected) or isinstance(result, lissom.Keyframes)
+    found, expected = parts(result), parts(expected)
+    assert len(found) == len(expected) > 0
+    for one, other in zip(found, expected, strict=True):
+        assert np.array_equal(one, other, equal_nan=np.asarray(one).dtype.kind == "f")
 
 
 @pytest.fixture(scope="module")
@@ -21,15 +115,6 @@ def pose():
     x = vertices[:, 0]
     mesh = lissom.Mesh(vertices, faces)
     return lissom.Pose(mesh, [np.flatnonzero(x < 0.3), np.flatnonzero(x > 5.7)])
-
-
-def test_a_job_returns_what_the_call_returns(pose):
-    options = {"max_iterations": 20, "tolerance": 0.0, "warm_start": False}
-    job = pose.start(GOAL, **options)
-    result = job.result()
-    assert job.done
-    assert job.result() is result
-    assert np.array_equal(result.vertices, pose.solve(GOAL, **options).vertices)
 
 
 def test_progress_grows(pose):
@@ -55,16 +140,18 @@ def test_row_40_cancel_within_a_fifth_of_a_second(pose):
         with pytest.raises(lissom.Cancelled):
             job.result()
         taken.append(time.perf_counter() - begin)
-    assert min(taken) < 0.2
+    assert max(taken) < 0.2
     after = pose.solve(GOAL, max_iterations=5, warm_start=False)
     assert np.array_equal(before.vertices, after.vertices)
 
 
 def test_row_40_ctrl_c_gets_through():
     script = """
-import sys, time, numpy as np, lissom
+import signal, sys, numpy as np, lissom
 sys.path.insert(0, sys.argv[1])
 from shapes import rigid, tube
+# A job in the background of a shell inherits that it ignores the signal, and Python leaves it at that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 vertices, faces = tube(rows=400, columns=60)
 x = vertices[:, 0]
 pose = lissom.Pose(lissom.Mesh(vertices, faces), [np.flatnonzero(x < 0.3), np.flatnonzero(x > 5.7)])
@@ -145,22 +232,22 @@ def test_a_dropped_job_stops(pose):
     assert time.perf_counter() - begin < 5.0
 
 
-def test_a_pose_bound_in_the_background():
-    vertices, faces = tube(rows=40, columns=20)
-    mesh, handles = lissom.Mesh(vertices, faces), ends(vertices)
-    roi = np.flatnonzero(vertices[:, 0] > 1.0)
-    options = {"handle_weights": [None, np.full(len(handles[1]), 0.5)], "cells": "spokes"}
-    here = lissom.Pose(mesh, handles, roi, "arap", **options)
-    job = lissom.start_pose(mesh, handles, roi, "arap", **options)
-    there = job.result()
-    assert isinstance(there, lissom.Pose)
-    assert job.progress == (1.0, "ready")
-    assert there.warnings == here.warnings != []
-    assert np.array_equal(there.solve(GOAL).vertices, here.solve(GOAL).vertices)
+def test_what_a_job_cannot_do_is_told_when_it_starts_or_by_its_result():
+    """Other names and types at once, as by the call; what only the work finds out by the result."""
     with pytest.raises(TypeError, match="'arap' has no option sells"):
-        lissom.start_pose(mesh, handles, sells="spokes")
+        lissom.start_pose(MESH, ends(VERTICES), sells="spokes")
+    with pytest.raises(lissom.InvalidValue, match="rotation: 'widest' is none of"):
+        lissom.start_inbetween(MESH, VERTICES, TURNED, rotation="widest")
+    with pytest.raises(lissom.InvalidValue, match="stretch: 'cubic' is none of linear, logarithmic"):
+        lissom.start_inbetween(MESH, VERTICES, TURNED, stretch="cubic")
+    job = lissom.start_pose(MESH, [])
     with pytest.raises(lissom.InvalidConstraint, match="there is no handle"):
-        lissom.start_pose(mesh, []).result()
+        job.result()
+
+
+def test_warnings_of_a_job_come_with_its_result():
+    few = path().start_keyframes(1e-9, 3).result()
+    assert len(few.times) == 3 and "3 keys" in few.warnings[0]
 
 
 def test_row_40_a_binding_is_left_behind_when_cancelled():

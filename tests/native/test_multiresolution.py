@@ -148,17 +148,6 @@ def test_the_base_takes_its_own_options():
     assert arap.report["iterations"] > 1 and arap.report["energy"] > 0
 
 
-def test_outside_the_region_all_stays_and_handles_are_copied():
-    vertices, faces = tube()
-    _, high = ends(vertices)
-    roi = np.flatnonzero(vertices[:, 0] > 2.0)
-    motion = rigid((0, 0, 1), 0.8, (0.2, 0.5, 0.1))
-    result = bound(vertices, faces, [high], roi=roi).solve([motion]).vertices
-    outside = np.setdiff1d(np.arange(len(vertices)), roi)
-    assert np.array_equal(result[outside], vertices[outside])
-    assert np.allclose(result[high], moved(motion, vertices[high]), rtol=0, atol=1e-14)
-
-
 def test_options_are_checked():
     vertices, faces = tube()
     handles = ends(vertices)

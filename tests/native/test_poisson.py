@@ -125,17 +125,6 @@ def test_a_smoother_border_turns_off_more_gently():
     assert 0.9 < start[0] < 1.1
 
 
-def test_outside_the_region_all_stays_and_handles_are_copied():
-    vertices, faces = tube()
-    _, high = ends(vertices)
-    roi = np.flatnonzero(vertices[:, 0] > 2.0)
-    motion = rigid((0, 0, 1), 0.8, (0.2, 0.5, 0.1))
-    result = bound(vertices, faces, [high], roi=roi).solve([motion]).vertices
-    outside = np.setdiff1d(np.arange(len(vertices)), roi)
-    assert np.array_equal(result[outside], vertices[outside])
-    assert np.allclose(result[high], moved(motion, vertices[high]), rtol=0, atol=1e-14)
-
-
 def test_a_scaled_handle_hands_its_stretch_on():
     vertices, faces = prism(100, 32)
     low, high = ends(vertices)

@@ -3,7 +3,7 @@
 import lissom
 import numpy as np
 import pytest
-from shapes import diagonal, ends, moved, rigid, soup, tube
+from shapes import diagonal, ends, moved, rigid, tube
 
 VERTICES, FACES = tube(rows=40, columns=20)
 N = len(VERTICES)
@@ -41,6 +41,8 @@ def test_handles_are_copied_exactly_and_all_outside_the_region_stays(method):
     outside = np.setdiff1d(np.arange(N), roi)
     assert np.array_equal(result[outside], VERTICES[outside])
     assert np.allclose(result[HIGH], moved(MOTION, VERTICES[HIGH]), rtol=0, atol=1e-14)
+    between = np.setdiff1d(roi, HIGH)
+    assert np.abs(result[between] - VERTICES[between]).max() > 0.5
 
 
 def test_moving_as_wholes_and_by_points_agree(method):
@@ -61,28 +63,36 @@ def test_row_04_and_05_huge_and_tiny_coordinates(method, scale, offset):
     assert np.abs((result - offset) / scale - bent(method)).max() < 1e-3 * diagonal(VERTICES)
 
 
+def assert_carried(method, vertices, faces):
+    """Where all handles move alike, so does everything between them."""
+    shift = rigid(offset=(1, -2, 3))
+    pose = lissom.Pose(lissom.Mesh(vertices, faces), [LOW, HIGH], method=method)
+    result = pose.solve([shift] * 2).vertices
+    assert np.abs(result - moved(shift, vertices)).max() < 1e-8 * diagonal(vertices)
+
+
 def test_row_07_slivers(method):
     flat = VERTICES.copy()
     flat[400] = 0.5 * (flat[401] + flat[399])
     flat[401] = flat[400]
-    assert np.isfinite(bent(method, flat)).all()
-    assert np.abs(bent(method, flat) - flat).max() < 10
+    assert_carried(method, flat, FACES)
+    # The two that were moved by a step of the grid are a step off, and no more.
+    assert np.abs(bent(method, flat) - bent(method)).max() < 0.06 * diagonal(VERTICES)
 
 
 @pytest.mark.parametrize(
-    "faces",
+    ("faces", "change"),
     [
-        np.concatenate([FACES, [[1, 1, 2]]]),
-        np.concatenate([FACES, FACES[3:5]]),
-        np.concatenate([FACES, [[FACES[500, 0], FACES[500, 1], FACES[900, 2]]]]),
-        np.concatenate([FACES[:300, ::-1], FACES[300:]]),
+        (np.concatenate([FACES, [[1, 1, 2]]]), 0),
+        (np.concatenate([FACES, FACES[500:502]]), 0.02),
+        (np.concatenate([FACES, [[FACES[500, 0], FACES[500, 1], FACES[900, 2]]]]), 0.02),
+        (np.concatenate([FACES[:300, ::-1], FACES[300:]]), 1e-9),
     ],
     ids=["row 8: repeats a vertex", "row 10: duplicate", "row 13: three faces", "row 15: winding"],
 )
-def test_rows_08_10_13_15_odd_faces(method, faces):
-    result = bent(method, faces=faces)
-    assert np.isfinite(result).all()
-    assert np.abs(result - VERTICES).max() < 10
+def test_rows_08_10_13_15_odd_faces(method, faces, change):
+    assert_carried(method, VERTICES, faces)
+    assert np.abs(bent(method, faces=faces) - bent(method)).max() <= change * diagonal(VERTICES)
 
 
 def unwelded():
@@ -117,22 +127,32 @@ def test_row_11_without_weld_a_soup_is_told(method):
     pose = lissom.Pose(lissom.Mesh(vertices, faces), [np.arange(30)], method=method)
     message = "vertices: in the same place as another and not joined to it; weld= joins them (at 3, "
     assert any(w.startswith(message) for w in pose.warnings)
-    assert np.isfinite(pose.solve([MOTION]).vertices).all()
+    result = pose.solve([MOTION]).vertices
+    assert np.allclose(result[:30], moved(MOTION, vertices[:30]), rtol=0, atol=1e-14)
+    assert np.array_equal(result[30:], vertices[30:])
 
 
 def test_row_12_isolated_vertices_stay(method):
     result = bent(method, np.concatenate([VERTICES, [[9, 9, 9]]]))
     assert np.array_equal(result[N], [9, 9, 9])
+    assert np.abs(result[:N] - bent(method)).max() < 1e-3
 
 
 def test_row_14_a_bow_tie(method):
-    faces = np.concatenate([FACES, np.where(FACES == 0, N - 1, FACES + N)])
-    assert np.isfinite(bent(method, np.concatenate([VERTICES, VERTICES + (10, 0, 0)]), faces)).all()
+    """A second tube that hangs at one vertex does not hold the first."""
+    vertices = np.concatenate([VERTICES, VERTICES[1:] + (10, 0, 0)])
+    faces = np.concatenate([FACES, FACES + N - 1])
+    result = bent(method, vertices, faces)
+    assert np.abs(result[:N] - bent(method)).max() < 5e-3 * diagonal(VERTICES)
+    if method != "laplacian_fitted":  # to which the second is as good turned and scaled about the vertex
+        assert_carried(method, vertices, faces)
+    assert np.abs(result).max() < 3 * diagonal(vertices)
 
 
 def test_row_18_self_intersection(method):
     folded = VERTICES * (0.01, 1, 1)
-    assert np.isfinite(bent(method, folded)).all()
+    assert_carried(method, folded, FACES)
+    assert np.abs(bent(method, folded) - folded).max() < 0.5 * diagonal(folded)
 
 
 def test_row_20_every_vertex_in_a_handle(method):
@@ -204,16 +224,6 @@ def test_row_38_an_iteration_that_does_not_converge_tells_its_residual(method):
     for line in told:
         residual = float(line.split("lowered the energy by ")[1].split()[0])
         assert 1e-12 < residual < 10
-
-
-def test_row_38_soups_of_random_triangles_never_fail(method):
-    for seed in range(300):
-        vertices, faces = soup(seed)
-        order = np.random.default_rng(seed).permutation(len(vertices))
-        held = order[: max(2, len(order) // 5)]
-        pose = lissom.Pose(lissom.Mesh(vertices, faces), [held[:1], held[1:]], method=method)
-        result = pose.solve([np.eye(4), rigid((0, 1, 0), 1.0, (0, 0, 1))], max_iterations=20)
-        assert np.isfinite(result.vertices).all(), seed
 
 
 def test_row_39_more_memory_than_there_is(method, monkeypatch):

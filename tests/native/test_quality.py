@@ -79,13 +79,6 @@ def test_row_03_other_numbers_of_keys_and_values_that_are_not_finite():
         transfer.quality(KEYS, np.where(np.arange(len(VERTICES))[:, None] == 5, np.nan, KEYS))
 
 
-def test_a_job_of_it_gives_the_same():
-    transfer = itself()
-    carried = transfer.apply(KEYS).vertices
-    blocking, job = transfer.quality(KEYS, carried), transfer.start_quality(KEYS, carried)
-    assert all(np.array_equal(blocking[name], job.result()[name]) for name in NAMES)
-
-
 def test_a_fit_says_how_good_it_is_where():
     source = lissom.Mesh(VERTICES, FACES)
     larger = VERTICES * [1, 1, 12] * 3

@@ -191,16 +191,6 @@ def test_a_cylinder_bends_by_half_a_turn():
         assert np.abs(middle - (0.6 + arc, arc, 0)).max() < 0.1
 
 
-def test_outside_the_region_all_stays_and_handles_are_copied():
-    vertices, faces = tube()
-    _, high = ends(vertices)
-    roi = np.flatnonzero(vertices[:, 0] > 2.0)
-    result = bound(vertices, faces, [high], roi=roi).solve([MOTION]).vertices
-    outside = np.setdiff1d(np.arange(len(vertices)), roi)
-    assert np.array_equal(result[outside], vertices[outside])
-    assert np.allclose(result[high], moved(MOTION, vertices[high]), rtol=0, atol=1e-14)
-
-
 def test_handles_that_turn_past_half_a_turn_together_agree():
     vertices, faces = tube()
     pose = bound(vertices, faces, ends(vertices))

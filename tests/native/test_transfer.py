@@ -4,7 +4,7 @@ import lissom
 import numpy as np
 import pytest
 from faces import diagonal, root_mean_square, slid, triangulate
-from shapes import moved, rigid, soup, tube
+from shapes import moved, rigid, tube
 
 VERTICES, FACES = tube(rows=24, columns=16)
 SAME = np.column_stack([np.arange(len(FACES))] * 2)
@@ -65,60 +65,13 @@ def test_expressions_of_the_ict_face_on_another_identity_of_other_triangles(data
     assert max(absolute) < 0.0025
 
 
-def test_a_mesh_gives_itself_its_own_keys():
-    mesh = lissom.Mesh(VERTICES, FACES)
-    x = VERTICES[:, :1]
-    keys = np.stack([VERTICES + 0.3 * np.sin(x + VERTICES), VERTICES * [1, 1 + 0.1 * np.sin(x[0, 0]), 2]])
-    result = lissom.Transfer(mesh, mesh, SAME).apply(keys).vertices
-    assert np.abs(result - keys).max() < 1e-8
-
-
-def test_similarities_are_reproduced_on_other_triangles(tubes):
-    source, target, vertices, fit = tubes
-    motion = rigid((1, 2, 3), 2.0, (4, 0, -1))
-    result = lissom.Transfer(source, target, fit).apply(moved(motion, VERTICES * 1.5)[None]).vertices[0]
-    edges = (result - result[0]) - 1.5 * (vertices - vertices[0]) @ motion[:3, :3].T
-    assert np.abs(edges).max() < 1e-8 * diagonal(vertices)
-
-
-@pytest.mark.parametrize("weighting", ["pairs", "area"])
-def test_row_31_a_key_that_moves_nothing(tubes, weighting):
-    source, target, vertices, fit = tubes
-    result = lissom.Transfer(source, target, fit, weighting=weighting).apply(VERTICES[None]).vertices
-    assert np.array_equal(result[0], vertices)
-
-
-def test_what_does_not_move_stays_put_exactly(tubes):
-    source, target, vertices, fit = tubes
-    bend = np.where(VERTICES[:, :1] > 3, VERTICES + [0, 0.3, 0] * (VERTICES[:, :1] - 3) ** 2, VERTICES)
-    result = lissom.Transfer(source, target, fit).apply(bend[None]).vertices[0]
-    still = vertices[:, 0] < 2.5 * 12 + 5
-    assert np.array_equal(result[still], vertices[still])
-    assert np.abs(result - vertices).max() > 20
-
-
 def test_keys_do_not_depend_on_their_company(tubes):
     source, target, _, fit = tubes
     transfer = lissom.Transfer(source, target, fit)
     keys = np.stack([moved(rigid((0, 0, 1), 0.1 * k), VERTICES) for k in range(19)])
     together = transfer.apply(keys).vertices
     assert np.abs(transfer.apply(keys[7:8]).vertices[0] - together[7]).max() < 1e-9
-    assert np.array_equal(transfer.start(keys).result().vertices, together)
     assert transfer.apply(np.zeros((0, *VERTICES.shape))).vertices.shape == (0, *together.shape[1:])
-
-
-def test_row_30_a_component_without_a_match():
-    source = lissom.Mesh(VERTICES, FACES)
-    loose = VERTICES * 0.1 + [2, 1.5, 0]
-    whole = np.concatenate([VERTICES, loose])
-    target = lissom.Mesh(whole, np.concatenate([FACES, FACES + len(VERTICES)]))
-    motion = rigid((3, 1, 0), 1.1, (0, 2, 0))
-    for option, expected in (("follow", moved(motion, loose)), ("rest", loose)):
-        transfer = lissom.Transfer(source, target, SAME, unmatched=option)
-        assert "components of the target without a match" in transfer.warnings[0]
-        assert "1 in all" in transfer.warnings[0]
-        result = transfer.apply(moved(motion, VERTICES)[None]).vertices[0]
-        assert np.abs(result[len(VERTICES) :] - expected).max() < 1e-8
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
@@ -126,8 +79,11 @@ def test_row_03_poses_that_are_not_finite(tubes, value):
     source, target, _, fit = tubes
     poses = np.stack([VERTICES, VERTICES])
     poses[1, 3] = value
-    with pytest.raises(ValueError, match=r"poses.*not finite"):
-        lissom.Transfer(source, target, fit).apply(poses)
+    transfer = lissom.Transfer(source, target, fit)
+    with pytest.raises(lissom.InvalidValue, match=r"poses\[1\]: not finite \(at 3; 1 in all\)"):
+        transfer.apply(poses)
+    with pytest.raises(ValueError, match="poses"):
+        transfer.apply(poses[:, :-1])
 
 
 def test_row_04_a_result_out_of_range(tubes):
@@ -144,15 +100,6 @@ def test_row_11_seams_of_the_target_stay_closed():
     expected = lissom.Transfer(mesh, mesh, SAME).apply([key]).vertices[:, corners]
     assert np.abs(lissom.Transfer(mesh, soup, SAME).apply([key]).vertices - expected).max() < 1e-9
     assert np.abs(lissom.Transfer(soup, soup, SAME).apply([key[corners]]).vertices - expected).max() < 1e-9
-
-
-def test_row_38_soups_of_random_triangles_never_fail():
-    for seed in range(300):
-        vertices, faces = soup(seed)
-        mesh = lissom.Mesh(vertices, faces)
-        transfer = lissom.Transfer(mesh, mesh, np.column_stack([np.arange(len(faces))] * 2))
-        poses = np.random.default_rng(seed).normal(size=(2, *vertices.shape))
-        assert np.isfinite(transfer.apply(poses).vertices).all(), seed
 
 
 def test_row_39_more_keys_than_fit(monkeypatch):
@@ -177,15 +124,6 @@ def test_row_09_pairs_that_cannot_be_used(pairs, text):
     mesh = lissom.Mesh(VERTICES, FACES)
     with pytest.raises(lissom.InvalidConstraint, match=text):
         lissom.Transfer(mesh, mesh, pairs)
-
-
-def test_a_transfer_prepared_in_the_background():
-    mesh = lissom.Mesh(VERTICES, FACES)
-    key = VERTICES + np.sin(VERTICES)
-    here = lissom.Transfer(mesh, mesh, SAME).apply([key]).vertices
-    there = lissom.start_transfer(mesh, mesh, SAME).result()
-    assert np.array_equal(there.apply([key]).vertices, here)
-    assert there.apply([]).vertices.shape == (0, len(VERTICES), 3)
 
 
 def spoiled(vertices, faces, how):

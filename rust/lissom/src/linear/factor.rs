@@ -15,7 +15,8 @@ use faer::sparse::linalg::cholesky::{
 use faer::{Conj, MatMut, Par, Side, Spec};
 use rayon::prelude::*;
 
-use super::{Columns, SymmetricMatrix};
+use super::columns::Columns;
+use super::matrix::SymmetricMatrix;
 use crate::{Error, Result, Vec3, memory};
 
 /// Added to each entry of the diagonal, relative to itself, when a factorization fails the first time. Rounding

@@ -10,7 +10,6 @@ mod factor;
 mod matrix;
 mod system;
 
-use columns::Columns;
 pub use constraints::Constraints;
 pub use factor::{Factor, REGULARIZED, Symbolic};
 pub use matrix::SymmetricMatrix;

@@ -4,7 +4,10 @@
 
 use rayon::prelude::*;
 
-use super::{Columns, Constraints, Factor, Symbolic, SymmetricMatrix};
+use super::columns::Columns;
+use super::constraints::Constraints;
+use super::factor::{Factor, Symbolic};
+use super::matrix::SymmetricMatrix;
 use crate::{Job, Result, Vec3};
 
 /// A symmetric system with constraints, factored.

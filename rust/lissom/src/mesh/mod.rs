@@ -183,6 +183,12 @@ impl Mesh {
         &self.components
     }
 
+    /// The triangles turned so that, as far as that is possible, neighbours are wound alike and each part that hangs
+    /// together by edges encloses its volume, at rest, from outside.
+    pub fn outward_triangles(&self) -> Vec<[u32; 3]> {
+        orientation::outward(&self.triangles, &self.adjacency, &self.rest)
+    }
+
     /// Area of each triangle in unit coordinates.
     pub fn areas(&self) -> &[f64] {
         &self.geometry.areas

@@ -7,7 +7,8 @@
 
 use rayon::prelude::*;
 
-use super::{HatGradients, Local, triangles};
+use super::targets::{HatGradients, Local};
+use super::triangles;
 use crate::geometry::rows::Rows;
 use crate::linear::Constraints;
 use crate::matrix::{dot, outer};

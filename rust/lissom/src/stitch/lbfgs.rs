@@ -10,6 +10,7 @@
 
 use rayon::prelude::*;
 
+use super::vectors::{BLOCK, add, dot};
 use crate::Vec3;
 
 /// How many earlier steps are kept. In this metric more of them gain nothing.
@@ -17,9 +18,6 @@ const WINDOW: usize = 2;
 
 /// A step whose curvature `s.y` is below this fraction of `y.K^-1 y` teaches nothing but rounding.
 const LEAST_CURVATURE: f64 = 1e-10;
-
-/// Vectors are worked on in blocks of this size, so that sums do not depend on the threads.
-const BLOCK: usize = 4096;
 
 /// The last steps of a descent.
 #[derive(Debug, Default)]
@@ -92,16 +90,4 @@ impl Lbfgs {
         }
         self.steps.push(CurvaturePair { s, y, z, curvature });
     }
-}
-
-/// `a.b`, summed in blocks.
-pub(super) fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
-    let blocks: Vec<f64> = (a.par_chunks(BLOCK).zip(b.par_chunks(BLOCK)))
-        .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum())
-        .collect();
-    blocks.iter().sum()
-}
-
-fn add(a: &mut [Vec3], factor: f64, b: &[Vec3]) {
-    a.par_iter_mut().zip(b).with_min_len(BLOCK).for_each(|(a, b)| *a += *b * factor);
 }

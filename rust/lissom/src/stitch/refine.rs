@@ -5,10 +5,9 @@
 //! Quasi-Newton Methods for Real-Time Simulation of Hyperelastic Materials). A step that does not lower the energy
 //! well enough is shortened, and where that does not help the plain global step is taken, which always does.
 
-use rayon::prelude::*;
-
-use super::Stitcher;
-use super::lbfgs::{Lbfgs, dot};
+use super::lbfgs::Lbfgs;
+use super::stitcher::Stitcher;
+use super::vectors::{dot, moved};
 use crate::{Mat3, Result, Vec3};
 
 /// An energy below this fraction of that of the edges themselves is zero but for rounding.
@@ -130,10 +129,4 @@ fn search(chooser: &impl Chooser, from: &Iterate, direction: &[Vec3], slope: f64
         length = lowest.clamp(0.1 * length, 0.5 * length);
     }
     None
-}
-
-/// `from + length * direction`.
-pub(super) fn moved(from: &[Vec3], direction: &[Vec3], length: f64) -> Vec<Vec3> {
-    let along = |(x, d): (&Vec3, &Vec3)| *x + *d * length;
-    from.par_iter().zip(direction).with_min_len(4096).map(along).collect()
 }

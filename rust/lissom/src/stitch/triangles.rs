@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{HatGradients, Local};
+use super::targets::{HatGradients, Local};
 use crate::linear::SymmetricMatrix;
 use crate::matrix::{dot, outer};
 use crate::operators::corner_hat_gradients;
