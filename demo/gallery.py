@@ -1,4 +1,4 @@
-"""The gallery: the thesis's poses and those of the survey, by all seven methods, as pictures and tables.
+"""The gallery: the thesis's poses and those of the survey, by all methods, as pictures and tables.
 
     python demo/gallery.py --out build/gallery               # gallery.png, survey.png, gallery.md
     python demo/gallery.py --out build/gallery --publish     # and small copies in docs/pictures
