@@ -166,30 +166,4 @@ mod tests {
         let other = sheet().closest_compatible_centroid(point, Vec3::Z, |t| t != 0).unwrap();
         assert_eq!(other.triangle, 1);
     }
-
-    #[test]
-    fn a_search_of_the_tree_equals_a_search_of_the_list() {
-        let mut state = 1u64;
-        let mut next = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
-        let mut vector = || Vec3::new(next(), next(), next());
-        let corners: Vec<[Vec3; 3]> = (0..300)
-            .map(|_| {
-                let at = vector();
-                [at, at + vector() * 0.1, at + vector() * 0.1]
-            })
-            .collect();
-        let surface = Surface::new(corners);
-        for _ in 0..200 {
-            let (point, normal) = (vector() * 2.0 - 0.5, vector() - 0.5);
-            let hit = surface.closest_compatible_point(point, normal).unwrap();
-            let listed = (0..300)
-                .filter(|&t| surface.normals[t].dot(normal) > 0.0)
-                .map(|t| surface.project(t, point).distance(point))
-                .fold(f64::INFINITY, f64::min);
-            assert_eq!(hit.distance, listed);
-        }
-    }
 }

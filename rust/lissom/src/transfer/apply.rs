@@ -480,27 +480,6 @@ mod tests {
     }
 
     #[test]
-    fn rows_3_and_9_poses_and_pairs_are_checked() {
-        let mesh = Arc::new(bumpy_grid(4));
-        let new = |pairs: &[[u32; 2]]| {
-            let matches = Correspondence::of_pairs(pairs.to_vec());
-            Transfer::new(mesh.clone(), mesh.clone(), &matches, TransferOptions::default(), &Job::default())
-        };
-        let text = |error: Error| error.to_string();
-        assert!(text(new(&[]).err().unwrap()).starts_with("pairs: no source triangle"));
-        let refused = text(new(&[[0, 0], [18, 0]]).err().unwrap());
-        assert_eq!(refused, "pairs: source triangle out of range, the mesh has 18 (at 1; 1 in all)");
-        let transfer = new(&[[0, 0]]).unwrap();
-        let mut pose = mesh.vertices().to_vec();
-        pose[3].y = f64::INFINITY;
-        let refused = transfer.apply(&[mesh.vertices().to_vec(), pose], &Job::default()).unwrap_err();
-        assert!(matches!(refused, Error::InvalidValue(_)));
-        assert_eq!(text(refused), "poses[1]: not finite (at 3; 1 in all)");
-        let refused = transfer.apply(&[vec![Vec3::ZERO; 3]], &Job::default()).unwrap_err();
-        assert_eq!(text(refused), "poses[0]: has 3 vertices, the source has 16");
-    }
-
-    #[test]
     fn row_40_a_cancelled_job_stops() {
         let mesh = bumpy_grid(4);
         let pose = mesh.vertices().to_vec();
