@@ -115,7 +115,15 @@ def types():
             if option.name not in named:
                 choices = ", ".join(f'"{value}"' for value, _ in option.choices)
                 kind = f"Literal[{choices}]" if choices else TYPES[option.kind]
-                lines += [f"    {option.name}: {kind}"]
+                lines += (
+                    [f"    {option.name}: {kind}"]
+                    if len(kind) < 90
+                    else [
+                        f"    {option.name}: Literal[",
+                        *(f'        "{value}",' for value, _ in option.choices),
+                        "    ]",
+                    ]
+                )
                 lines += textwrap.indent(textwrap.fill(f'"""{option.help}."""', 106), "    ").splitlines()
     return "\n".join(lines) + "\n"
 

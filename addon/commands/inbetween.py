@@ -10,8 +10,9 @@ import lissom
 from ..bridge import arcs, checks, sheet
 from ..core.easing import EASINGS
 from ..core.inbetween import MAX_COUNT
+from ..core.options import argument
 from ..core.refused import Refused
-from ..properties.inbetween import PLAYBACK_ITEMS, ROTATION_ITEMS, STRETCH_ITEMS
+from ..properties.inbetween import PLAYBACK_ITEMS
 
 SUMMARY = "bake the arc between two shape keys as keys under one slider"
 STEPS = 7  # of the contact sheet
@@ -28,10 +29,8 @@ def configure(parser):
     keys = parser.add_mutually_exclusive_group()
     keys.add_argument("--count", type=int, help=f"in-betweens, 1 to {MAX_COUNT} (default: 5)")
     keys.add_argument("--tolerance", type=float, help="the fewest keys within this distance, in scene units")
-    add("--rotation", choices=[item[0] for item in ROTATION_ITEMS], default="consistent")
-    add("--stretch", choices=[item[0] for item in STRETCH_ITEMS], default="linear")
-    add("--refinement", type=int, default=0, help="rounds that keep lengths better (default: 0)")
-    add("--preserve-volume", action="store_true", help="closed parts lose no volume between the ends")
+    for name in ("rotation", "stretch", "refinement", "preserve_volume"):
+        add(f"--{name.replace('_', '-')}", **argument("inbetween", name))
     add("--through", default="", help="keys that arcs hit on their way, as 'half: 0.5, wide: 0.8'")
     add("--clearance", default="", help="name of a closed mesh object that arcs keep out of")
     add("--easing", choices=[name.lower() for name in EASINGS], default="linear")

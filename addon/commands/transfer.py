@@ -8,6 +8,7 @@ import bpy
 
 from .. import session
 from ..bridge import checks
+from ..core.options import argument
 from ..core.refused import Refused
 from ..operators.transfer_fit import key_names
 from ..operators.transfer_parts import quality_rows
@@ -39,12 +40,12 @@ def configure(parser):
     )
     add("--cache", help="with --frames: the point cache to write (default: shape keys)")
     add("--exists", choices=[item[0].lower() for item in EXISTS_ITEMS], default="update")
-    add("--loose-parts", choices=("follow", "rest"), default="follow", help="what parts without a match do")
+    add("--loose-parts", **argument("transfer", "unmatched"))
     add("--drivers", choices=("rewire", "keep", "none"), default="rewire", help="what becomes of drivers")
-    add("--contact", action="store_true", help="lids and lips that meet on the source meet on the target")
+    add("--contact", **argument("transfer", "contact"))
     add("--drop-empty", action="store_true", help="leave out keys that do not move the target")
-    add("--tightness", type=float, default=5000.0, help="of the fit (5000); 50 or so for a cartoon's target")
-    add("--match-distance", type=float, default=0.02, help="as a part of the target's diagonal (0.02)")
+    add("--tightness", **argument("fit", "closest"))
+    add("--match-distance", **argument("fit", "match_distance"))
     add("--source-mask", default="", help="vertex group of the source that matches nothing")
     add("--target-mask", default="", help="vertex group of the target that matches nothing")
     add("--out", required=True, help="the .blend file to write")

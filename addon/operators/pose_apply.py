@@ -1,14 +1,14 @@
 """The pose as a shape key."""
 
 import bpy
-from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, FloatProperty, StringProperty
 
 from ..bridge import checks, meshes, poses, shape_keys
 from ..core import names, space
 from ..core.refused import Refused
+from ..properties.options import iterations_property
 from ..properties.transfer import exists_property
 from .job import JobOperator, writable_mesh
-from .pose_bind import MAX_ITERATIONS
 from .pose_handles import OBJECT
 
 
@@ -29,7 +29,7 @@ class LISSOM_OT_pose_apply(JobOperator, bpy.types.Operator):
         min=0,
         max=1,
     )
-    max_iterations: IntProperty(**MAX_ITERATIONS)
+    max_iterations: iterations_property()
     reset: BoolProperty(
         name="Reset Handles", description="Put the handles back where they were at Bind", default=True
     )

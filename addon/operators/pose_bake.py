@@ -2,16 +2,17 @@
 
 import bpy
 import numpy as np
-from bpy.props import IntProperty, StringProperty
+from bpy.props import StringProperty
 
 from .. import live
 from ..bridge import checks, meshes, playback, poses, shape_keys
 from ..core import cache, space
 from ..core.refused import Refused, first
 from ..core.work import Work
+from ..properties.options import iterations_property
 from .baking import CACHE_FILE, BakeProperties
 from .job import JobOperator, writable_mesh
-from .pose_bind import MAX_ITERATIONS, unbind
+from .pose_bind import unbind
 from .pose_handles import OBJECT
 
 
@@ -24,7 +25,7 @@ class LISSOM_OT_pose_bake(BakeProperties, JobOperator, bpy.types.Operator):
 
     object: StringProperty(**OBJECT)
     filepath: StringProperty(**CACHE_FILE)
-    max_iterations: IntProperty(**MAX_ITERATIONS)
+    max_iterations: iterations_property()
 
     @classmethod
     def poll(cls, context):

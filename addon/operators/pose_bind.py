@@ -1,7 +1,7 @@
 """Bind, update, reset and unbind a pose."""
 
 import bpy
-from bpy.props import EnumProperty, IntProperty, StringProperty
+from bpy.props import EnumProperty, StringProperty
 
 from .. import rebind, session
 from ..bridge import checks, empties, meshes, poses, shape_keys
@@ -9,19 +9,12 @@ from ..core import names, space
 from ..core.pose_options import Asked, by_name, options_of
 from ..core.refused import Refused, first
 from ..panels.common import draw_options, split_column
-from ..properties.pose import METHOD_ITEMS, option_property, use_weights_property, weld_property
+from ..properties.options import iterations_property, option_property
+from ..properties.pose import METHOD_ITEMS, use_weights_property, weld_property
 from .job import JobOperator, allowed, answering, shown_object, writable_mesh
 from .pose_handles import OBJECT
 
 PREVIEW = "Lissom Pose"
-
-MAX_ITERATIONS = {
-    "name": "Iterations",
-    "description": "The most iterations to make, for methods that iterate",
-    "default": 200,
-    "min": 1,
-    "max": 100_000,
-}
 
 
 class _Options:
@@ -129,7 +122,7 @@ class LISSOM_OT_pose_update(JobOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     object: StringProperty(**OBJECT)
-    max_iterations: IntProperty(**MAX_ITERATIONS)
+    max_iterations: iterations_property()
 
     @classmethod
     def poll(cls, context):

@@ -15,26 +15,19 @@ from .. import ghost
 from ..bridge import shape_keys
 from ..core.easing import EASINGS
 from ..core.inbetween import MAX_COUNT
+from ..core.options import option
+from .options import option_property
 
-ROTATION_ITEMS = [
-    (
-        "consistent",
-        "Consistent",
-        "Neighbouring faces turn alike: twists beyond half a turn come out whole",
-        0,
-    ),
-    ("shortest", "Shortest", "Every face turns the short way by itself; for turns below half a turn", 1),
-    (
-        "relative",
-        "Relative",
-        "The turns between neighbouring faces are spread: for several turns along a part",
-        2,
-    ),
-]
-STRETCH_ITEMS = [
-    ("linear", "Even", "Lengths grow by the same amount in every step", 0),
-    ("logarithmic", "By Factors", "Lengths grow by the same factor in every step", 1),
-]
+# A file stores the place in these lists: only append.
+OPTIONS = {
+    "rotation": {
+        "label": "Rotation",
+        "labels": {"consistent": "Consistent", "shortest": "Shortest", "relative": "Relative"},
+    },
+    "stretch": {"label": "Stretch", "labels": {"linear": "Even", "logarithmic": "By Factors"}},
+    "refinement": {"label": "Refinement", "high": 1000, "soft_high": 20},
+    "preserve_volume": {"label": "Keep Volume"},
+}
 SAMPLING_ITEMS = [
     ("COUNT", "Even", "So many in-betweens, evenly spaced in time", 0),
     ("TOLERANCE", "Tolerance", "As few as keep every vertex within a distance of the arc", 1),
@@ -59,36 +52,10 @@ def _obstacles(settings, context, text):
 def path_properties(**also):
     """{name: property} of the options of lissom.Inbetween."""
     return {
-        "rotation": EnumProperty(
-            name="Rotation",
-            description="How the turn of every face is chosen",
-            items=ROTATION_ITEMS,
-            default="consistent",
-            **also,
-        ),
-        "stretch": EnumProperty(
-            name="Stretch",
-            description="How faces grow and shrink along the arc",
-            items=STRETCH_ITEMS,
-            default="linear",
-            **also,
-        ),
-        "refinement": IntProperty(
-            name="Refinement",
-            description="Rounds in which turns are fitted to the shapes that came out: more keeps lengths "
-            "better, and takes longer",
-            default=0,
-            min=0,
-            soft_max=20,
-            max=1000,
-            **also,
-        ),
-        "preserve_volume": BoolProperty(
-            name="Keep Volume",
-            description="Closed parts change their volume in even steps and lose none between the ends",
-            default=False,
-            **also,
-        ),
+        **{
+            name: option_property(option("inbetween", name, **label), **also)
+            for name, label in OPTIONS.items()
+        },
         "through": StringProperty(
             name="Through",
             description="Shape keys that the arc hits on its way, and when: 'half: 0.5, wide: 0.8'",

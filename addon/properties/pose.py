@@ -5,7 +5,6 @@ from bpy.props import (
     BoolProperty,
     CollectionProperty,
     EnumProperty,
-    FloatProperty,
     FloatVectorProperty,
     IntProperty,
     PointerProperty,
@@ -14,6 +13,7 @@ from bpy.props import (
 
 from .. import rebind
 from ..core.pose_options import METHODS, OPTIONS
+from .options import option_property
 
 # The table's place is what a file stores.
 METHOD_ITEMS = [(*item, number) for number, item in enumerate(METHODS)]
@@ -35,18 +35,6 @@ BAKE_ITEMS = [
 BAKE_OUTPUT = "What the motion of the mesh is kept in"
 BAKE_STEP = "Frames from one baked shape to the next; between them the mesh goes straight"
 BAKE_PATH = "Where to put the point cache. Empty: beside the .blend file, named after the object"
-
-
-def option_property(option, **also):
-    """The Blender property of one option of the table."""
-    settings = {"name": option.label, "description": option.line, "default": option.default, **also}
-    if option.items:
-        items = [(*item, number) for number, item in enumerate(option.items)]
-        return EnumProperty(items=items, **settings)
-    if isinstance(option.default, bool):
-        return BoolProperty(**settings)
-    settings |= {"min": option.low, "max": option.high, "soft_max": option.soft_high or option.high}
-    return (IntProperty if isinstance(option.default, int) else FloatProperty)(**settings)
 
 
 def _is_handle(_, obj):

@@ -14,6 +14,8 @@ from bpy.props import (
 
 from ..bridge.meshes import rest_place
 from ..bridge.screen import redraw_views
+from ..core.options import option
+from .options import option_property
 from .pose import BAKE_ITEMS, BAKE_OUTPUT, BAKE_PATH, BAKE_STEP
 
 EXISTS_ITEMS = [
@@ -35,28 +37,13 @@ def exists_property(default):
 
 def match_distance_property():
     """The option of the same name of lissom.start_fit."""
-    return FloatProperty(
-        name="Match Distance",
-        description="How far apart the centres of matched faces may be, as a part of the target's diagonal",
-        default=0.02,
-        min=1e-6,
-        soft_max=0.1,
-        max=1.0,
-        precision=3,
-    )
+    label = {"label": "Match Distance", "low": 1e-6, "high": 1.0, "soft_high": 0.1}
+    return option_property(option("fit", "match_distance", **label), precision=3)
 
 
 def closest_property():
     """The option of the same name of lissom.start_fit."""
-    return FloatProperty(
-        name="Tightness",
-        description="How tightly the source is pulled onto the target. Less for a target of quite other "
-        "proportions, such as a cartoon's: 50 or so keeps the source from folding there",
-        default=5000.0,
-        min=1.0,
-        max=1e6,
-        precision=0,
-    )
+    return option_property(option("fit", "closest", "Tightness", high=1e6), precision=0)
 
 
 def mask_property(side):
@@ -70,14 +57,8 @@ def mask_property(side):
 
 def unmatched_property():
     """The option of the same name of lissom.Transfer (row 30)."""
-    return EnumProperty(
-        name="Loose Parts",
-        description="What parts of the target do that no part of the source matches, such as eyes and teeth",
-        items=[
-            ("follow", "Follow", "Move rigidly with the nearest matched surface"),
-            ("rest", "Stay", "Stay where they are"),
-        ],
-    )
+    labels = {"follow": "Follow", "rest": "Stay"}
+    return option_property(option("transfer", "unmatched", "Loose Parts", labels))
 
 
 def drivers_property():
@@ -95,11 +76,7 @@ def drivers_property():
 
 def contact_property():
     """The option of the same name of lissom.Transfer."""
-    return BoolProperty(
-        name="Contact",
-        description="Where lids or lips come together on the source, they do so on the target: for targets "
-        "whose eyes or mouth are much wider. Takes longer",
-    )
+    return option_property(option("transfer", "contact", "Contact"))
 
 
 def drop_empty_property():

@@ -36,7 +36,15 @@ class PoseOptions(TypedDict, total=False):
     """Bumps narrower than this are details, and follow the base."""
     details: Literal["gradients", "offsets"]
     """How details are put back on the posed base."""
-    base: Literal["laplacian", "laplacian_fitted", "rotation_invariant", "thin_shell", "poisson", "arap", "laplacian_rotated"]
+    base: Literal[
+        "laplacian",
+        "laplacian_fitted",
+        "rotation_invariant",
+        "thin_shell",
+        "poisson",
+        "arap",
+        "laplacian_rotated",
+    ]
     """The method that poses the smooth base, whose options may be given too."""
     cells: Literal["spokes_and_rims", "spokes"]
     """The edges around a vertex that are kept rigid together."""
