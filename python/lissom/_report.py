@@ -2,20 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from typing import Any
 
 
-class Report(Mapping[str, Any]):
-    """A frozen dataclass that also answers as a mapping from names to values, as a dict would."""
+class Report(dict[str, Any]):
+    """A frozen dataclass whose fields are the items of a dict too: to be merged, or written as JSON."""
 
-    def __getitem__(self, name: str) -> Any:
-        if name not in self.__dataclass_fields__:  # type: ignore[attr-defined]
-            raise KeyError(name)
-        return getattr(self, name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.__dataclass_fields__)  # type: ignore[attr-defined]
-
-    def __len__(self) -> int:
-        return len(self.__dataclass_fields__)  # type: ignore[attr-defined]
+    def __post_init__(self) -> None:
+        self.update(vars(self))

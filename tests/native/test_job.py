@@ -1,5 +1,7 @@
 """Jobs: progress, cancellation, signals, the interpreter released."""
 
+import copy
+import json
 import signal
 import subprocess
 import sys
@@ -271,3 +273,13 @@ def test_counts_are_checked(pose):
 def test_errors_have_their_names():
     assert lissom.Error.__name__ == "Error"
     assert issubclass(lissom.InvalidValue, (lissom.Error, ValueError))
+
+
+def test_reports_are_dicts_with_fields(pose):
+    report = pose.solve(GOAL, max_iterations=2).report
+    assert isinstance(report, lissom.PoseReport) and json.loads(json.dumps(report)) == report
+    assert report["iterations"] == report.iterations == 2
+    assert list(report) == ["iterations", "energy", "converged", "seconds", "warnings"]
+    assert {**report} == report == copy.copy(report)
+    with pytest.raises(AttributeError):
+        report.energy = 0.0
