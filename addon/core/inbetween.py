@@ -96,7 +96,7 @@ def path_work(mesh, start, end, asked, obstacle=None, through=()):
         if search is not None:
             found = yield search
             knots, said = found.times, found.warnings
-        shapes = yield path.start(knots)
+        shapes = yield path.start_at(knots)
         return Sampled(knots, shapes, [*path.warnings, *said])
 
     return Work(steps())

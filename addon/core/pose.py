@@ -145,7 +145,7 @@ class BoundPose:
 
     def steps(self, motion, **options):
         """The same as a part of longer work."""
-        job = self.pose.start(motion.transforms, **self._arguments(motion, options))
+        job = self.pose.start_solve(motion.transforms, **self._arguments(motion, options))
         return self._note(motion, (yield job))
 
     def _note(self, motion, result):

@@ -62,7 +62,7 @@ def transfer_work(source, target, fit, shapes, options, check=False):
         if not len(shapes):
             return Carried(known, shapes, {} if check else None, [])
         transfer = yield lissom.start_transfer(*ends, known, **options)
-        result = (yield transfer.start(shapes)).vertices
+        result = (yield transfer.start_apply(shapes)).vertices
         quality = (yield transfer.start_quality(shapes, result)) if check else None
         return Carried(known, result, quality, list(transfer.warnings))
 
@@ -79,7 +79,7 @@ def animation_steps(source, target, fit, blocks, count, options, take):
     transfer = yield lissom.start_transfer(*ends, known, **options)
     done = 0
     for shapes in blocks:
-        take((yield Block(transfer.start(shapes), done, len(shapes), count, "frame")).vertices)
+        take((yield Block(transfer.start_apply(shapes), done, len(shapes), count, "frame")).vertices)
         done += len(shapes)
     return known, list(transfer.warnings)
 

@@ -6,7 +6,7 @@ A generator yields one job after the other (anything with the ``progress``, ``do
     def steps():
         fit = yield lissom.start_fit(source, target, markers)
         transfer = yield lissom.start_transfer(source, target, fit)
-        return fit, (yield transfer.start(keys))
+        return fit, (yield transfer.start_apply(keys))
 """
 
 import lissom
