@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from numpy.lib.mixins import NDArrayOperatorsMixin
+
 from . import _native
 from ._native import Job, Mesh
 
@@ -20,10 +22,10 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Keyframes:
+class Keyframes(NDArrayOperatorsMixin):
     """Times of keys, and how well straight lines between them follow the path.
 
-    It is also an array of the times.
+    It may be used as the array of the times.
     """
 
     times: NDArray[np.float64]
@@ -46,11 +48,13 @@ class Keyframes:
     def __getitem__(self, index: Any) -> Any:
         return self.times[index]
 
-    def __eq__(self, other: object) -> Any:
-        """Element by element, as arrays are compared."""
-        return self.times == (other.times if isinstance(other, Keyframes) else other)
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
+        arrays = (each.times if isinstance(each, Keyframes) else each for each in inputs)
+        return getattr(ufunc, method)(*arrays, **options)
 
-    __hash__ = None  # type: ignore[assignment]
+    def tolist(self) -> list[float]:
+        """The times as a list."""
+        return [float(time) for time in self.times]
 
 
 class Inbetween:

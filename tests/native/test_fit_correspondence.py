@@ -81,6 +81,20 @@ def test_row_28_a_marker_twice(mesh, markers, text):
         lissom.fit_correspondence(mesh, mesh, markers)
 
 
+def test_row_29_swapped_sides_of_a_face_are_told_with_the_count(data):
+    archive = data("ict_face")
+    vertices, landmarks = archive["neutral"], archive["landmarks"]
+    faces = triangulate(archive["loops"], archive["counts"])
+    face = faces[(faces < 9409).all(1)]
+    mesh = lissom.Mesh(vertices[:9409], face)
+    # Multi-PIE: the jaw line is 0-16, the brows 17-26, left and right mirrored.
+    swapped = np.column_stack([landmarks[:27], np.concatenate([landmarks[16::-1], landmarks[26:16:-1]])])
+    report = lissom.fit_correspondence(mesh, mesh, swapped).report
+    assert report.flipped_triangles > 0
+    told = f"{report.flipped_triangles} of {len(face)} fitted triangles face against the target"
+    assert any(told in warning for warning in report.warnings)
+
+
 @pytest.mark.parametrize("option", ["smoothness", "identity", "closest", "match_distance"])
 @pytest.mark.parametrize("value", [np.nan, -1.0, 0.0, np.inf])
 def test_row_03_options_out_of_range(mesh, option, value):

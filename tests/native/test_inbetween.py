@@ -417,3 +417,13 @@ def test_options_are_told_where_they_are_wrong():
         lissom.Inbetween(mesh, start, end, stretch="cubic")
     with pytest.raises(lissom.InvalidValue, match="refinement: must not be negative, got -1"):
         lissom.Inbetween(mesh, start, end, refinement=-1)
+
+
+def test_keyframes_are_used_as_an_array():
+    start, faces, end = twisted_tube()
+    keys = lissom.Inbetween(lissom.Mesh(start, faces), start, end).keyframes(count=4)
+    assert isinstance(keys, lissom.Keyframes) and keys.error > 0 and keys.warnings == []
+    times = np.asarray(keys)
+    assert np.array_equal(keys * 24 + 1, times * 24 + 1) and np.array_equal(1 - keys, 1 - times)
+    assert (keys == times).all() and (keys >= 0).all() and np.array_equal(np.diff(keys), np.diff(times))
+    assert keys.tolist() == list(keys) == [keys[0], *keys[1:]] and len(keys) == 4
