@@ -4,9 +4,8 @@ Positions are float64 arrays of shape (n, 3) in the mesh's own units, indices ar
 from 0. Other float and integer arrays, in any memory layout, are converted.
 
 Every call that may take long has two forms: ``x(...)`` waits, with the interpreter released, and Ctrl-C
-    cancels it;
-``start_x(...)`` takes the same arguments and returns a :class:`Job` at once, whose ``result()`` is what
-``x`` returns.
+cancels it; ``start_x(...)`` takes the same arguments and returns a :class:`Job` at once, whose ``result()``
+is what ``x`` returns.
 """
 
 from ._inbetween import Blend, Inbetween, Keyframes, start_blend, start_inbetween

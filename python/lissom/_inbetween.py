@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 class Keyframes(NDArrayOperatorsMixin):
     """Times of keys, and how well straight lines between them follow the path.
 
-    It may be used as the array of the times.
+    Arithmetic, comparison and the functions of numpy take it as the array of the times.
     """
 
     times: NDArray[np.float64]
@@ -49,6 +49,9 @@ class Keyframes(NDArrayOperatorsMixin):
         return self.times[index]
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
+        results = (*options.get("out", ()), options.get("where"))
+        if any(isinstance(each, Keyframes) for each in results):
+            return NotImplemented  # nothing is written here
         arrays = (each.times if isinstance(each, Keyframes) else each for each in inputs)
         return getattr(ufunc, method)(*arrays, **options)
 

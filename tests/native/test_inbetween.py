@@ -426,4 +426,23 @@ def test_keyframes_are_used_as_an_array():
     times = np.asarray(keys)
     assert np.array_equal(keys * 24 + 1, times * 24 + 1) and np.array_equal(1 - keys, 1 - times)
     assert (keys == times).all() and (keys >= 0).all() and np.array_equal(np.diff(keys), np.diff(times))
+    for write in (lambda: np.multiply(keys, 2, out=keys), lambda: np.add(1, 2, where=keys)):
+        with pytest.raises(TypeError):
+            write()
     assert keys.tolist() == list(keys) == [keys[0], *keys[1:]] and len(keys) == 4
+
+
+def test_parts_of_an_obstacle_may_overlap():
+    points, sides = ball(np.zeros(3), 1.0, 24, 48)
+    x, y = (p.ravel() for p in np.meshgrid(np.linspace(-1, 1, 21), np.linspace(-1, 1, 21), indexing="ij"))
+    start, end = (np.column_stack([x + shift, y, np.full(len(x), 0.75)]) for shift in (-2.4, 2.8))
+    mesh = lissom.Mesh(start, grid_faces(21, 21))
+    second = points + (0.4, 0, 0)
+    both = lissom.Mesh(np.concatenate([points, second]), np.concatenate([sides, sides + len(points)]))
+    plain, held = (lissom.Inbetween(mesh, start, end, **o).at([0.5])[0] for o in ({}, {"clearance": both}))
+
+    def depth(shape):
+        return max((1 - np.linalg.norm(shape - centre, axis=1)).max() for centre in ((0, 0, 0), (0.4, 0, 0)))
+
+    assert depth(plain) > 0.2
+    assert depth(held) < 0.01  # what the facets of the balls are off the spheres

@@ -283,3 +283,16 @@ def test_reports_are_dicts_with_fields(pose):
     assert {**report} == report == copy.copy(report)
     with pytest.raises(AttributeError):
         report.energy = 0.0
+
+
+def test_a_cancelled_solve_leaves_the_last_pose_to_go_on_from(pose):
+    one = {"max_iterations": 1, "tolerance": 0.0}
+    pose.solve(GOAL, max_iterations=30, warm_start=False)
+    expected = pose.solve(GOAL, **one).vertices
+    pose.solve(GOAL, max_iterations=30, warm_start=False)
+    job = pose.start_solve([np.eye(4), rigid((0, 0, 1), 1.0)], **ENDLESS)
+    time.sleep(0.1)
+    job.cancel()
+    with pytest.raises(lissom.Cancelled):
+        job.result()
+    assert np.array_equal(pose.solve(GOAL, **one).vertices, expected)

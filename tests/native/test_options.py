@@ -72,7 +72,10 @@ def test_row_03_numbers_out_of_range_are_refused_by_name(option):
 
 @pytest.mark.parametrize("option", ALL)
 def test_other_types_are_refused_by_name(option):
-    for value in ("\0much", object(), [None]) if option.kind != "choice" else (object(), 3, [None]):
+    wrong = ["\0much", object(), [None]] if option.kind != "choice" else [object(), 3, [None]]
+    if option.kind in ("int", "float"):
+        wrong += [True, np.True_]
+    for value in wrong:
         with pytest.raises(TypeError, match=rf"^{option.name}(\[0\])?: "):
             call(option.owner, **{option.name: value})
 

@@ -118,7 +118,8 @@ fn number<'py, T>(name: &str, given: &Bound<'py, PyAny>, expected: &str) -> PyRe
 where
     T: for<'a> FromPyObject<'a, 'py, Error = PyErr>,
 {
-    if given.is_instance_of::<PyBool>() {
+    // numpy's own is none of Python's.
+    if given.is_instance_of::<PyBool>() || given.get_type().name()?.to_string().starts_with("bool") {
         return Err(wrong(name, given, expected));
     }
     given.extract().map_err(|error: PyErr| match error.is_instance_of::<PyOverflowError>(given.py()) {

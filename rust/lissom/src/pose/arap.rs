@@ -201,7 +201,8 @@ impl Method for Arap {
     }
 
     fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution> {
-        let previous = self.previous.take().filter(|_| options.warm_start);
+        // What is cancelled leaves the last pose as it was.
+        let previous = self.previous.clone().filter(|_| options.warm_start);
         let posing = Posing { arap: self, goal };
         let start = match previous {
             Some(changes) => posing.stitched(changes),
