@@ -21,7 +21,7 @@ use crate::geometry::frame::UnitFrame;
 use crate::geometry::triangle::TriangleGeometry;
 use crate::linear::{Constraints, REGULARIZED};
 use crate::mesh::validate;
-use crate::operators::corner_hat_gradients;
+use crate::operators::hat_gradients_at;
 use crate::rotation::nearest_rotation;
 use crate::stitch::{Chooser, HatGradients, Iterate, Owners, Reference, Stitcher, Stop, Weights};
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
@@ -95,11 +95,7 @@ impl Shapes {
             let fault = Fault::at(name, problem, slivers.map(|(&id, _)| id as usize));
             warnings.extend(fault.map(|fault| fault.to_string()));
         }
-        let hats = |x: &Vec<Vec3>| {
-            let corners = mesh.triangles().par_iter().map(|t| t.map(|v| x[v as usize]));
-            corners.zip(&weights).map(|(corners, w)| corner_hat_gradients(corners, *w)).collect()
-        };
-        let hats = unit.iter().map(hats).collect();
+        let hats = unit.iter().map(|x| hat_gradients_at(&mesh, &weights, x)).collect();
         let stationary: Vec<bool> = (0..mesh.rest().len())
             .map(|v| shapes.iter().all(|(_, shape)| shape[v] == shapes[0].1[v]))
             .collect();

@@ -109,6 +109,7 @@ impl ConstrainedSystem {
 
     /// Harmonic extension of what given vertices hold, in place, for any number of sets: the solution without
     /// right-hand side.
+    ///
     /// Constants come out exactly, however badly the system is conditioned: the unknown is the difference to the
     /// first given value.
     pub fn extend(&self, fields: &mut [Vec<Vec3>]) {

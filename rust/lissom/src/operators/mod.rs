@@ -26,12 +26,13 @@ use crate::{Mesh, Vec3};
 /// Written with the (mollified) cotangents, `g_i = w_ij (v_i - v_j) + w_ik (v_i - v_k)`, it is
 /// defined for triangles without area, and the rest positions have the gradient that they ought to.
 pub fn hat_gradients(mesh: &Mesh) -> Vec<[Vec3; 3]> {
-    let (rest, weights) = (mesh.rest(), mesh.half_cotangents());
-    mesh.triangles()
-        .par_iter()
-        .zip(weights)
-        .map(|(t, w)| corner_hat_gradients(t.map(|v| rest[v as usize]), *w))
-        .collect()
+    hat_gradients_at(mesh, mesh.half_cotangents(), mesh.rest())
+}
+
+/// The same with other weights, each of the edge opposite to its corner, and the vertices at `x`.
+pub(crate) fn hat_gradients_at(mesh: &Mesh, weights: &[[f64; 3]], x: &[Vec3]) -> Vec<[Vec3; 3]> {
+    let triangles = mesh.triangles().par_iter().zip(weights);
+    triangles.map(|(t, w)| corner_hat_gradients(t.map(|v| x[v as usize]), *w)).collect()
 }
 
 /// The scaled hat gradients of one triangle, from its corners and the weights of the edges opposite.

@@ -7,11 +7,11 @@
 
 use rayon::prelude::*;
 
-use super::targets::{HatGradients, Local};
-use super::triangles;
+use super::targets::Local;
 use crate::geometry::rows::Rows;
 use crate::linear::Constraints;
 use crate::matrix::{dot, outer};
+use crate::operators::hat_gradients_at;
 use crate::{Mat3, Mesh, Vec3};
 
 /// Vertices that a thread takes at once.
@@ -51,7 +51,7 @@ impl Fans {
 
     /// Cells of spokes and rims; weights `w_te` opposite to each corner.
     pub fn of_corners(mesh: &Mesh, weights: &[[f64; 3]]) -> Self {
-        let hats: Vec<HatGradients> = triangles::hats(mesh, weights, mesh.rest());
+        let hats = hat_gradients_at(mesh, weights, mesh.rest());
         let edges = mesh.adjacency().edges().iter().enumerate();
         let edges = edges.map(|(e, ends)| {
             let (mut weight, mut sum) = (0.0, [Vec3::ZERO; 2]);

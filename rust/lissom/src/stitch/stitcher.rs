@@ -7,7 +7,9 @@ use super::targets::{HatGradients, Local, Owners, Reference, Weights, corner_wei
 use super::triangles;
 use super::vectors::moved;
 use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
-use crate::operators::corner_hat_gradients;
+use crate::operators::cotangent::corner_laplacian;
+use crate::operators::divergence::divergence;
+use crate::operators::{corner_hat_gradients, hat_gradients_at};
 use crate::{Job, Mat3, Mesh, Result, Vec3};
 
 /// The factored stitching system of one mesh and one set of constraints.
@@ -61,7 +63,7 @@ impl Stitcher {
             (Owners::Triangles, _) => Elements::Triangles { weights: corner_weights, hats: OnceLock::new() },
         };
         let laplacian = match &elements {
-            Elements::Triangles { weights, .. } => triangles::laplacian(&mesh, weights),
+            Elements::Triangles { weights, .. } => corner_laplacian(&mesh, weights),
             Elements::Fans(fans) => SymmetricMatrix::laplacian(mesh.rest().len(), fans.edges()),
         };
         let matrix = match extra {
@@ -110,7 +112,7 @@ impl Stitcher {
     pub fn divergence(&self, reference: Reference, changes: &[Mat3]) -> Vec<Vec3> {
         match (&self.elements, reference) {
             (Elements::Triangles { .. }, Reference::Rest) => {
-                triangles::divergence_at_rest(&self.mesh, self.hats(), changes)
+                divergence(self.mesh.triangles(), self.hats(), changes, self.mesh.rest().len())
             }
             (Elements::Triangles { .. }, Reference::Edges { hats, .. }) => {
                 triangles::gather(&self.mesh, |t, _| {
@@ -211,7 +213,7 @@ impl Stitcher {
     /// The hats at rest, of triangles.
     fn hats(&self) -> &[HatGradients] {
         let Elements::Triangles { weights, hats } = &self.elements else { return &[] };
-        hats.get_or_init(|| triangles::hats(&self.mesh, weights, self.mesh.rest()))
+        hats.get_or_init(|| hat_gradients_at(&self.mesh, weights, self.mesh.rest()))
     }
 
     fn reference_hats<'a>(&'a self, reference: Reference<'a>) -> impl Fn(usize) -> HatGradients + Sync + 'a {

@@ -3,31 +3,12 @@
 use rayon::prelude::*;
 
 use super::targets::{HatGradients, Local};
-use crate::linear::SymmetricMatrix;
 use crate::matrix::{dot, outer};
 use crate::operators::corner_hat_gradients;
-use crate::operators::divergence::divergence;
 use crate::{Mat3, Mesh, Vec3};
 
 /// Triangles or vertices that a thread takes at least.
 const GRAIN: usize = 1024;
-
-/// `L`, with weights `w_te` opposite to each corner.
-pub(super) fn laplacian(mesh: &Mesh, weights: &[[f64; 3]]) -> SymmetricMatrix {
-    let edges = mesh.triangles().iter().zip(weights);
-    let edges = edges.flat_map(|(&[a, b, c], w)| [(b, c, w[0]), (c, a, w[1]), (a, b, w[2])]);
-    SymmetricMatrix::laplacian(mesh.rest().len(), edges)
-}
-
-/// The hats of every triangle with the vertices at `x`.
-pub(super) fn hats(mesh: &Mesh, weights: &[[f64; 3]], x: &[Vec3]) -> Vec<HatGradients> {
-    let triangles = mesh.triangles().par_iter().zip(weights);
-    triangles.map(|(t, w)| corner_hat_gradients(t.map(|v| x[v as usize]), *w)).collect()
-}
-
-pub(super) fn divergence_at_rest(mesh: &Mesh, hats: &[HatGradients], changes: &[Mat3]) -> Vec<Vec3> {
-    divergence(mesh.triangles(), hats, changes, mesh.rest().len())
-}
 
 /// Sums at the vertices what `of(triangle, vertices)` says of its corners.
 pub(super) fn gather(mesh: &Mesh, of: impl Fn(usize, [u32; 3]) -> [Vec3; 3] + Sync) -> Vec<Vec3> {
