@@ -110,6 +110,13 @@ pub fn poses(name: &str, value: &Bound<'_, PyAny>, vertices: usize) -> PyResult<
     Ok(values.chunks_exact(3 * vertices.max(1)).map(to_points).collect())
 }
 
+/// (n, k) or (n, 3, k) numbers, whose first axes are `of`; k, and all of them in one row.
+pub fn channels(name: &str, value: &Bound<'_, PyAny>, of: &[usize]) -> PyResult<(usize, Vec<f64>)> {
+    let expected: Vec<i64> = of.iter().map(|&d| d as i64).chain([-1]).collect();
+    let (shape, values) = floats(name, value, &expected)?;
+    Ok((shape[of.len()], values))
+}
+
 /// (h, 4, 4) matrices, row by row as numpy has them.
 pub fn matrices(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Mat4>> {
     let (_, values) = floats(name, value, &[-1, 4, 4])?;
@@ -192,6 +199,11 @@ pub fn from_poses(py: Python<'_>, poses: &[Vec<Vec3>], vertices: usize) -> PyRes
     let values = poses.iter().flat_map(|p| flat(p));
     let array = PyArray::from_iter(py, values).reshape([poses.len(), vertices, 3])?;
     Ok(array.into_any().unbind())
+}
+
+/// Numbers as an array of this shape.
+pub fn from_channels(py: Python<'_>, values: Vec<f64>, shape: &[usize]) -> PyResult<Py<PyAny>> {
+    Ok(PyArray::from_vec(py, values).reshape(shape)?.into_any().unbind())
 }
 
 /// Pairs as a (k, 2) int64 array.

@@ -119,6 +119,31 @@ impl PyTransfer {
         let transfer = self.0.clone();
         PyJob::start(move |job| transfer.quality(&poses, &vertices, job), qualities)
     }
+
+    /// The job's result is (n_target, k) values.
+    fn start_attributes(&self, values: &Bound<'_, PyAny>) -> PyResult<PyJob> {
+        let (k, values) = arrays::channels("values", values, &[self.0.source().vertices().len()])?;
+        let (transfer, n) = (self.0.clone(), self.0.target().vertices().len());
+        PyJob::start(
+            move |job| transfer.attributes(&values, k, job),
+            move |py, found| arrays::from_channels(py, found, &[n, k]),
+        )
+    }
+
+    /// The job's result is (m_target, 3, k) values.
+    fn start_corner_attributes(
+        &self,
+        values: &Bound<'_, PyAny>,
+        faces: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<PyJob> {
+        let (k, values) = arrays::channels("values", values, &[self.0.source().input_triangles(), 3])?;
+        let faces = faces.map(|faces| arrays::vertex_list("faces", faces)).transpose()?;
+        let (transfer, m) = (self.0.clone(), self.0.target().input_triangles());
+        PyJob::start(
+            move |job| transfer.corner_attributes(&values, k, faces.as_deref(), job),
+            move |py, found| arrays::from_channels(py, found, &[m, 3, k]),
+        )
+    }
 }
 
 fn qualities(py: Python<'_>, keys: Vec<KeyQuality>) -> PyResult<Py<PyAny>> {

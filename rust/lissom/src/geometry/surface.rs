@@ -88,6 +88,11 @@ impl Surface {
         })
     }
 
+    /// The triangle with the nearest centroid.
+    pub fn closest_centroid(&self, point: Vec3) -> Option<Hit> {
+        self.nearest(point, f64::INFINITY, |t| Some(self.centroid(t)))
+    }
+
     /// The triangle with the nearest centroid among those that face the way of `normal` and are
     /// accepted.
     pub fn closest_compatible_centroid(
@@ -105,7 +110,8 @@ impl Surface {
         self.normals[triangle].dot(normal) > 0.0
     }
 
-    fn project(&self, triangle: usize, point: Vec3) -> Vec3 {
+    /// The point of a triangle that is nearest to `point`.
+    pub fn project(&self, triangle: usize, point: Vec3) -> Vec3 {
         let [a, b, c] = self.corners[triangle];
         Triangle::new(a, b, c).project_local_point(point, true).point
     }

@@ -13,6 +13,8 @@
 //! 2. **Apply** ([`apply`]): each target triangle is asked to change as its matches do (`choose`), the
 //!    target is stitched ([`crate::stitch`]), and its components are put in their place (`place`).
 //!
+//! By the same images come weights, colours and UV maps over ([`attributes`], [`corners`]).
+//!
 //! # Notation
 //!
 //! | | |
@@ -25,9 +27,11 @@
 
 mod anchor;
 pub mod apply;
+pub mod attributes;
 mod choose;
 mod component_pairs;
 pub mod contact;
+pub mod corners;
 mod correspondence;
 mod energy;
 pub mod fit;
