@@ -71,9 +71,9 @@ def require_unlocked(keys):
         )
 
 
-def shared_data(obj):
+def shared_data(obj, what="shape keys"):
     """A warning where other objects use the same mesh data and will change too, or ""."""
     users = sum(1 for other in bpy.data.objects if other.data is obj.data)
     if users < 2:
         return ""
-    return f"The mesh of '{obj.name}' is used by {users} objects: all of them get the same shape keys"
+    return f"The mesh of '{obj.name}' is used by {users} objects: all of them get the same {what}"

@@ -58,7 +58,7 @@ def transfer_work(source, target, fit, shapes, options, check=False):
     """
 
     def steps():
-        ends, known = yield from _known_steps(source, target, fit)
+        ends, known = yield from known_steps(source, target, fit)
         if not len(shapes):
             return Carried(known, shapes, {} if check else None, [])
         transfer = yield lissom.start_transfer(*ends, known, **options)
@@ -75,7 +75,7 @@ def animation_steps(source, target, fit, blocks, count, options, take):
     Each block is made when the one before is done, and ``take`` is called with what becomes of it,
     (k, n_target, 3): no more than one is in memory. Else as ``transfer_work``.
     """
-    ends, known = yield from _known_steps(source, target, fit)
+    ends, known = yield from known_steps(source, target, fit)
     transfer = yield lissom.start_transfer(*ends, known, **options)
     done = 0
     for shapes in blocks:
@@ -84,7 +84,8 @@ def animation_steps(source, target, fit, blocks, count, options, take):
     return known, list(transfer.warnings)
 
 
-def _known_steps(source, target, fit):
+def known_steps(source, target, fit):
+    """Both as lissom.Mesh, and the fit, given or made of (markers, options); as steps of a Work."""
     ends = _meshes(source, target)
     return ends, (yield from fit_steps(*ends, *fit)) if isinstance(fit, tuple) else fit
 

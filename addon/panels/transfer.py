@@ -98,6 +98,7 @@ SHOWN = {
 KEY_OPTIONS = ("unmatched", "exists", "drivers", "contact", "drop_empty", "check")
 POSE_OPTIONS = ("unmatched", "exists", "contact")
 ANIMATION_OPTIONS = ("unmatched", "contact")
+ATTRIBUTE_OPTIONS = ("vertex_groups", "uv_maps", "colours", "exists")
 FIT_OPTIONS = ("match_distance", "closest", "source_mask", "target_mask")
 
 
@@ -137,7 +138,12 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             setattr(fit, name, getattr(settings, name))
         self._draw_fit(layout, context)
         layout.row().prop(settings, "what", expand=True)
-        draw = {"KEYS": self._draw_keys, "POSE": self._draw_pose, "ANIMATION": self._draw_animation}
+        draw = {
+            "KEYS": self._draw_keys,
+            "POSE": self._draw_pose,
+            "ANIMATION": self._draw_animation,
+            "ATTRIBUTES": self._draw_attributes,
+        }
         draw[settings.what](layout, settings)
         draw_progress(layout, "transfer")
         if settings.what == "KEYS":
@@ -247,6 +253,12 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         transfer = self._draw_transfer(layout, settings, "animation", "RENDER_ANIMATION", ANIMATION_OPTIONS)
         transfer.name, transfer.step = settings.pose_name, settings.bake_step
         transfer.output, transfer.cache_path = settings.bake_output, settings.bake_path
+
+    def _draw_attributes(self, layout, settings):
+        column = split_column(layout)
+        for name in ATTRIBUTE_OPTIONS:
+            column.prop(settings, name)
+        self._draw_transfer(layout, settings, "attributes", "GROUP_VERTEX", ATTRIBUTE_OPTIONS)
 
     def _draw_transfer(self, layout, settings, what, icon, options):
         """The one big button, with these options and those of the fit."""

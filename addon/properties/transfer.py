@@ -19,17 +19,17 @@ from .options import option_property
 from .pose import BAKE_ITEMS, BAKE_OUTPUT, BAKE_PATH, BAKE_STEP
 
 EXISTS_ITEMS = [
-    ("UPDATE", "Update", "Write over a shape key of the same name"),
-    ("SKIP", "Skip", "Leave a shape key of the same name as it is"),
-    ("RENAME", "Rename", "Keep a shape key of the same name and number the new one"),
+    ("UPDATE", "Update", "Write over what has the same name"),
+    ("SKIP", "Skip", "Leave what has the same name as it is"),
+    ("RENAME", "Rename", "Keep what has the same name and number the new one"),
 ]
 
 
 def exists_property(default):
-    """What a key gets whose name is taken (row 32)."""
+    """What a key or an attribute gets whose name is taken (row 32)."""
     return EnumProperty(
         name="If Exists",
-        description="What to do where a shape key of that name is there already",
+        description="What to do where one of that name is there already",
         items=EXISTS_ITEMS,
         default=default,
     )
@@ -94,6 +94,32 @@ def check_property():
         name="Check Quality",
         description="Carry every key back to the source as well, and list which of them deserve a look",
         default=True,
+    )
+
+
+def groups_property():
+    """Whether vertex groups are carried over."""
+    return BoolProperty(
+        name="Vertex Groups",
+        description="Weights of all vertex groups; each vertex is in no more of them than on the source, "
+        "and their sum is as there",
+        default=True,
+    )
+
+
+def uv_maps_property():
+    """Whether UV maps are carried over."""
+    return BoolProperty(
+        name="UV Maps",
+        description="All UV maps; each face of the target lies on one side of their seams",
+        default=True,
+    )
+
+
+def colours_property():
+    """Whether colour attributes are carried over."""
+    return BoolProperty(
+        name="Colors", description="All color attributes, of vertices and of face corners", default=True
     )
 
 
@@ -225,6 +251,7 @@ class LissomTransfer(bpy.types.PropertyGroup):
             ("KEYS", "Keys", "Its shape keys"),
             ("POSE", "Pose", "What it looks like now, by armature, modifiers and keys, as one shape key"),
             ("ANIMATION", "Animation", "What it looks like at each frame of a range"),
+            ("ATTRIBUTES", "Attributes", "Its vertex groups, UV maps and color attributes"),
         ],
     )
     pose_name: StringProperty(
@@ -251,6 +278,9 @@ class LissomTransfer(bpy.types.PropertyGroup):
     drivers: drivers_property()
     contact: contact_property()
     drop_empty: drop_empty_property()
+    vertex_groups: groups_property()
+    uv_maps: uv_maps_property()
+    colours: colours_property()
     check: check_property()
     quality: CollectionProperty(type=LissomKeyQuality)
     active_quality: IntProperty(name="Shape Key", options=set(), update=_show_key)

@@ -204,15 +204,15 @@ class Transfer:
         return self._core.start_attributes(values)
 
     def attributes(self, values: ArrayLike) -> NDArray[np.float64]:
-        """Carries ``values`` (n_source, k) of the source's vertices, such as skin weights, over: (n_target, k).
+        """Carries ``values`` (n_source, k) of vertices, such as skin weights, over: (n_target, k).
 
-        Each target vertex takes what is where it lies on the source. Vertices that lie nowhere take the harmonic
-        extension of those around them by the uniform Laplacian (Taubin 1995), components of which none does the
-        values of the nearest vertex that does. Results are convex combinations of the source's values: weights
-        that add up to 1 still do.
+        Each target vertex takes what is where it lies on the source. Vertices that lie nowhere take the
+        harmonic extension of those around them by the uniform Laplacian (Taubin 1995), components of which
+        none does the values of the nearest vertex that does. Results are convex combinations of the source's
+        values: weights that add up to 1 still do.
 
-        Raises InvalidValue for values that are not finite, InvalidConstraint for a transfer made of pairs alone,
-        SolveFailed, OutOfMemory, Cancelled; ValueError for another shape.
+        Raises InvalidValue for values that are not finite, InvalidConstraint for a transfer made of pairs
+        alone, SolveFailed, OutOfMemory, Cancelled; ValueError for another shape.
         """
         return self.start_attributes(values).result()
 
@@ -223,13 +223,14 @@ class Transfer:
         return self._core.start_corner_attributes(values, faces)
 
     def corner_attributes(self, values: ArrayLike, faces: ArrayLike | None = None) -> NDArray[np.float64]:
-        """Carries ``values`` (m_source, 3, k) of the corners of triangles, such as UV maps, over: (m_target, 3, k).
+        """Carries ``values`` (m_source, 3, k) of triangles' corners, such as UV maps, over: (m_target, 3, k).
 
-        A seam is an edge whose two sides have other values. Each target triangle takes all of its corners from the
-        side of seams that its centre lies on; corners beyond a seam take what is nearest to them on this side.
+        A seam is an edge whose two sides have other values. Each target triangle takes all of its corners
+        from the side of seams that its centre lies on; corners beyond a seam take what is nearest to them on
+        this side.
 
-        faces: (m_target,), which face each target triangle is part of, as the triangles of a quad are; those of one
-            face take the same side. None: each is a face of its own.
+        faces: (m_target,), which face each target triangle is part of, as the triangles of a quad are; those
+            of one face take the same side. None: each is a face of its own.
 
         Raises as :meth:`attributes`; InvalidConstraint also for another number of faces.
         """

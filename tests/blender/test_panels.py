@@ -238,10 +238,14 @@ def test_one_button_transfers_what_is_chosen(panels):
     settings.bake_step, settings.bake_path, settings.match_distance = 3, "/a.pc2", 0.03
     shared = {"match_distance": settings.match_distance, "closest": settings.closest}
     shared |= {"source_mask": "", "target_mask": ""}
+    dressed = {"vertex_groups": True, "uv_maps": False, "colours": True, "exists": "RENAME"}
+    settings.uv_maps = False
+    attributes = ("attributes", shared | dressed)
     shared |= {"unmatched": "follow", "contact": True, "name": "Open"}
     wanted = {
         "POSE": ("pose", shared | {"exists": "RENAME"}),
         "ANIMATION": ("animation", shared | {"step": 3, "output": "KEYS", "cache_path": "/a.pc2"}),
+        "ATTRIBUTES": attributes,
     }
     for what, (operator, properties) in wanted.items():
         settings.what = what
@@ -251,6 +255,8 @@ def test_one_button_transfers_what_is_chosen(panels):
             sum(name.startswith("lissom.transfer_") for name in drawn["operators"]) == 3
         )  # fit and parts too
         assert "drivers" not in drawn["settings"]
+    settings.what = "ANIMATION"
+    drawn = draw(panels["transfer"])
     assert "bake_path" not in drawn["settings"] and "frame_start" in drawn["settings"]
     settings.bake_output = "CACHE"
     assert "bake_path" in draw(panels["transfer"])["settings"]

@@ -4,7 +4,7 @@ import lissom
 import numpy as np
 import pytest
 from dense import neighbours
-from shapes import grid_faces, tube
+from shapes import tube
 
 ROWS, COLUMNS = 41, 32
 CUT, HALF = 5 / 32, 0.45  # where the map of the tube has its seams
@@ -96,7 +96,7 @@ def test_no_triangle_spans_a_seam(rows, columns):
     uv = unrolled()
     found = there.corner_attributes(uv)
     low, high = found.min(1), found.max(1)
-    # A triangle is as large in the map as on the tube, and cut shorter at a seam; over one it would be larger.
+    # A triangle is as large in the map as on the tube, and shorter at a seam; over one it would be larger.
     angle = 1.5 * np.array([1 / columns, 1 / (rows - 1)]) + 0.01
     assert (high - low <= angle).all()
     assert uv.min() <= found.min() and found.max() <= uv.max()
