@@ -41,6 +41,7 @@ def configure(parser):
     add("--cache", help="with --frames: the point cache to write (default: shape keys)")
     add("--exists", choices=[item[0].lower() for item in EXISTS_ITEMS], default="update")
     add("--loose-parts", **argument("transfer", "unmatched"))
+    add("--scale", **argument("transfer", "scale"))
     add("--drivers", choices=("rewire", "keep", "none"), default="rewire", help="what becomes of drivers")
     add("--contact", **argument("transfer", "contact"))
     add("--drop-empty", action="store_true", help="leave out keys that do not move the target")
@@ -86,6 +87,7 @@ def _common(arguments, sources):
         "target": "\n".join(arguments.target),
         "filepath": _absolute(arguments.markers) if arguments.markers else "",
         "unmatched": arguments.loose_parts,
+        "scale": arguments.scale,
         "contact": arguments.contact,
         "match_distance": arguments.match_distance,
         "closest": arguments.tightness,

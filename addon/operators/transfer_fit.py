@@ -18,6 +18,7 @@ from ..properties.transfer import (
     contact_property,
     mask_property,
     match_distance_property,
+    scale_property,
     unmatched_property,
 )
 from .job import JobOperator, allowed
@@ -53,11 +54,12 @@ class TransferProperties(FitProperties):
     """Mixin: what a transfer is made of."""
 
     unmatched: unmatched_property()
+    scale: scale_property()
     contact: contact_property()
 
     def transfer_options(self):
         """Those of lissom.Transfer."""
-        return {"unmatched": self.unmatched, "contact": self.contact}
+        return {"unmatched": self.unmatched, "scale": self.scale, "contact": self.contact}
 
     def warn(self, request, fit, warnings, targets):
         """Reports what a transfer has to say that is done."""

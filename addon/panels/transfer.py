@@ -95,9 +95,9 @@ SHOWN = {
     "flipped_triangles": "{} turned over",
     "contact_gap": "{:.2f} % apart",
 }
-KEY_OPTIONS = ("unmatched", "exists", "drivers", "contact", "drop_empty", "check")
-POSE_OPTIONS = ("unmatched", "exists", "contact")
-ANIMATION_OPTIONS = ("unmatched", "contact")
+KEY_OPTIONS = ("unmatched", "scale", "exists", "drivers", "contact", "drop_empty", "check")
+POSE_OPTIONS = ("unmatched", "scale", "exists", "contact")
+ANIMATION_OPTIONS = ("unmatched", "scale", "contact")
 ATTRIBUTE_OPTIONS = ("vertex_groups", "uv_maps", "colours", "exists")
 FIT_OPTIONS = ("match_distance", "closest", "source_mask", "target_mask")
 

@@ -61,6 +61,12 @@ def unmatched_property():
     return option_property(option("transfer", "unmatched", "Loose Parts", labels))
 
 
+def scale_property():
+    """The option of the same name of lissom.Transfer."""
+    labels = {"target": "Target's Size", "source": "As Far"}
+    return option_property(option("transfer", "scale", "Scale", labels))
+
+
 def drivers_property():
     """What becomes of the drivers of the keys."""
     return EnumProperty(
@@ -274,6 +280,7 @@ class LissomTransfer(bpy.types.PropertyGroup):
     source_mask: mask_property("Source")
     target_mask: mask_property("Target")
     unmatched: unmatched_property()
+    scale: scale_property()
     exists: exists_property("UPDATE")
     drivers: drivers_property()
     contact: contact_property()

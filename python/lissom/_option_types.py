@@ -96,6 +96,8 @@ class TransferOptions(TypedDict, total=False):
     """What components of the target do that no part of the source matches, such as eyes and teeth."""
     weighting: Literal["area", "pairs"]
     """How much each triangle of the target counts."""
+    scale: Literal["target", "source"]
+    """How far the target goes for what the source does."""
     anchor: float
     """The length below which gradients rule and beyond it displacements: lower suits shapes that are much
     alike, inf is gradients alone."""

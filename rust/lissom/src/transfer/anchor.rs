@@ -6,16 +6,16 @@
 //!
 //! Gradients know the long way only as a sum of many short ones, and each of them is off by what the fit is off.
 //! So every vertex that has an image is pulled weakly to where its image goes: `a_v` is the image's
-//! displacement, times the size of the component over that of its images. Over distances below `l` the gradients
-//! rule, beyond it the displacements (a screened Poisson equation: Bhat, Curless, Cohen & Zitnick 2008, Fourier
-//! Analysis of the 2D Screened Poisson Equation for Gradient Domain Problems).
+//! displacement, times the size of the component over that of its images, or at its own size ([`super::scale`]).
+//! Over distances below `l` the gradients rule, beyond it the displacements (a screened Poisson equation: Bhat,
+//! Curless, Cohen & Zitnick 2008, Fourier Analysis of the 2D Screened Poisson Equation for Gradient Domain Problems).
 //!
 //! Where all of a component moves, the similarity that fits its images best (Umeyama 1991) is taken out first
 //! and applied to the component as it is, so that similarities come over as such.
 
 use super::choose::Chooser;
-use crate::geometry::rigid::{self, Alignment};
-use crate::{Mesh, Vec3};
+use crate::geometry::rigid::{self, Alignment, Similarity};
+use crate::{Mat3, Mesh, Vec3};
 
 /// The pulls of one target.
 pub struct Anchors {
@@ -27,12 +27,39 @@ struct AnchoredComponent {
     vertices: Vec<(u32, f64)>,
     /// Root mean square size of the vertices over that of their images.
     size: f64,
+    /// What the displacements of the images are multiplied with.
+    gain: f64,
+}
+
+/// What a component does as a whole: the similarity that fits its images best.
+pub struct Whole {
+    of_images: Similarity,
+    shift: Vec3,
+    /// What its growth is multiplied with on the target.
+    growth: f64,
+}
+
+impl Whole {
+    /// Its linear part, on the source.
+    pub fn of_source(&self) -> Mat3 {
+        self.of_images.linear()
+    }
+
+    /// The same on the target.
+    pub fn linear(&self) -> Mat3 {
+        let linear = self.of_images.linear();
+        let scale = linear.determinant().abs().cbrt();
+        if self.growth == 1.0 || scale <= 0.0 {
+            return linear;
+        }
+        linear * ((1.0 + self.growth * (scale - 1.0)) / scale)
+    }
 }
 
 impl Anchors {
     /// Anchors on every vertex with an image; `length` in unit coordinates, `weights` what the stitching energy
-    /// multiplies the area of each triangle with.
-    pub fn new(target: &Mesh, chooser: &Chooser, weights: &[f64], length: f64) -> Self {
+    /// multiplies the area of each triangle with, `gain` as [`super::scale::gain`].
+    pub fn new(target: &Mesh, chooser: &Chooser, weights: &[f64], length: f64, gain: Option<f64>) -> Self {
         let mut mass = vec![0.0; target.rest().len()];
         for ((t, &area), weight) in target.triangles().iter().zip(target.areas()).zip(weights) {
             t.iter().for_each(|&v| mass[v as usize] += area * weight / 3.0);
@@ -44,7 +71,7 @@ impl Anchors {
             let own = vertices.iter().map(|&(v, _)| target.rest()[v as usize]);
             let images = vertices.iter().map(|&(v, _)| chooser.image(v as usize).unwrap_or_default());
             let size = rigid::size_ratio(own, images);
-            AnchoredComponent { vertices, size }
+            AnchoredComponent { vertices, size, gain: gain.unwrap_or(size) }
         };
         Self { parts: target.components().members().into_iter().map(part).collect() }
     }
@@ -59,6 +86,11 @@ impl Anchors {
         self.parts[component].size
     }
 
+    /// What a component does as a whole, where its images have gone by `moved`; `None` where one of them rests.
+    pub fn whole(&self, component: usize, chooser: &Chooser, moved: &[Vec3]) -> Option<Whole> {
+        self.parts[component].whole(chooser, moved)
+    }
+
     /// Vertices and weights.
     pub fn soft(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
         self.parts.iter().flat_map(|part| part.vertices.iter().copied())
@@ -71,23 +103,38 @@ impl Anchors {
 }
 
 impl AnchoredComponent {
-    fn targets(&self, target: &Mesh, chooser: &Chooser, moved: &[Vec3]) -> Vec<(u32, Vec3)> {
-        let moved = |v: u32| moved[v as usize];
-        let vertices = self.vertices.iter().map(|&(v, _)| v);
-        if vertices.clone().any(|v| moved(v) == Vec3::ZERO) {
-            return vertices.map(|v| (v, moved(v) * self.size)).collect();
+    /// Where the images of the vertices are, and where they go.
+    fn ways<'a>(
+        &'a self,
+        chooser: &'a Chooser,
+        moved: &'a [Vec3],
+    ) -> impl Iterator<Item = (Vec3, Vec3)> + Clone + 'a {
+        let way = |&(v, _): &(u32, f64)| chooser.image(v as usize).map(|p| (p, p + moved[v as usize]));
+        self.vertices.iter().filter_map(way)
+    }
+
+    fn whole(&self, chooser: &Chooser, moved: &[Vec3]) -> Option<Whole> {
+        if self.vertices.is_empty() || self.vertices.iter().any(|&(v, _)| moved[v as usize] == Vec3::ZERO) {
+            return None;
         }
-        let from: Vec<Vec3> = vertices.clone().filter_map(|v| chooser.image(v as usize)).collect();
-        let to: Vec<Vec3> = from.iter().zip(vertices.clone()).map(|(&p, v)| p + moved(v)).collect();
-        let carry = Alignment::of(from.iter().copied().zip(to.iter().copied())).similar();
-        let rest = |v: u32| target.rest()[v as usize];
-        let count = from.len() as f64;
-        let centre = vertices.clone().map(rest).sum::<Vec3>() / count;
-        let shift = (to.iter().sum::<Vec3>() - from.iter().sum::<Vec3>()) / count;
-        let at = |(v, (&p, &q)): (u32, (&Vec3, &Vec3))| {
-            let as_a_whole = carry.linear() * (rest(v) - centre) + centre - rest(v);
-            (v, as_a_whole + (shift + q - carry.apply(p)) * self.size)
+        let alignment = Alignment::of(self.ways(chooser, moved));
+        let (from, to) = alignment.centroids();
+        let growth = if self.gain == self.size { 1.0 } else { self.gain / self.size };
+        Some(Whole { of_images: alignment.similar(), shift: to - from, growth })
+    }
+
+    fn targets(&self, target: &Mesh, chooser: &Chooser, moved: &[Vec3]) -> Vec<(u32, Vec3)> {
+        let vertices = self.vertices.iter().map(|&(v, _)| v);
+        let Some(whole) = self.whole(chooser, moved) else {
+            return vertices.map(|v| (v, moved[v as usize] * self.gain)).collect();
         };
-        vertices.zip(from.iter().zip(&to)).map(at).collect()
+        let rest = |v: u32| target.rest()[v as usize];
+        let centre = rigid::centroid(vertices.clone().map(rest));
+        let linear = whole.linear();
+        let at = |(v, (p, q)): (u32, (Vec3, Vec3))| {
+            let as_a_whole = linear * (rest(v) - centre) + centre - rest(v);
+            (v, as_a_whole + (whole.shift + q - whole.of_images.apply(p)) * self.gain)
+        };
+        vertices.zip(self.ways(chooser, moved)).map(at).collect()
     }
 }

@@ -21,6 +21,7 @@ use super::correspondence::Correspondence;
 use super::obstacle::{Least, Obstacles};
 use super::options::{TransferOptions, Unmatched, Weighting};
 use super::place::Placer;
+use super::scale;
 use crate::linear::{ConstrainedSystem, Constraints, REGULARIZED};
 use crate::options::OptionSet;
 use crate::stitch::{Owners, Reference, Stitcher, Weights};
@@ -59,6 +60,8 @@ pub struct Transfer {
     pub(super) options: TransferOptions,
     pub(super) chooser: Chooser,
     pub(super) anchors: Anchors,
+    /// `1 / r` of each component ([`super::scale`]).
+    pub(super) factors: Vec<f64>,
     placer: Placer,
     closing: Option<Closing>,
     stitcher: Stitcher,
@@ -87,12 +90,15 @@ impl Transfer {
         let chooser = Chooser::new(&source, &target, &used.pairs, &used.images)?;
         job.check()?;
         let weights = weights(&target, &chooser, options.weighting);
-        let anchors = Anchors::new(&target, &chooser, &weights, options.anchor.min(LONGEST));
+        let gain = scale::gain(&source, &target, options.scale);
+        let anchors = Anchors::new(&target, &chooser, &weights, options.anchor.min(LONGEST), gain);
         let constraints = Constraints::hard(target.rest().len(), |_| false).with_soft(anchors.soft());
         let scaled = Weights::Scaled(&weights);
         let stitcher = Stitcher::new(target.clone(), Owners::Triangles, scaled, None, constraints, job)?;
         job.check()?;
-        let placer = Placer::new(&source, &target, stitcher.matrix(), &chooser, &anchors, options.unmatched);
+        let policy = options.unmatched;
+        let placer = Placer::new(&source, &target, stitcher.matrix(), &chooser, &anchors, policy, gain);
+        let factors = scale::factors(&target, &anchors, &placer, gain);
         let closing = match options.contact {
             true => Some(Closing {
                 system: contact::system(&target, stitcher.matrix(), job)?,
@@ -101,7 +107,7 @@ impl Transfer {
             }),
             false => None,
         };
-        let policy = match options.unmatched {
+        let policy = match policy {
             Unmatched::Follow => "they follow the nearest matched surface rigidly",
             Unmatched::Rest => "they stay at rest",
         };
@@ -119,6 +125,7 @@ impl Transfer {
             options,
             chooser,
             anchors,
+            factors,
             placer,
             closing,
             stitcher,
@@ -176,7 +183,7 @@ impl Transfer {
             .map(|pose| {
                 let key = SourceKey::of(&self.source, pose);
                 let moved = self.chooser.displacements(&key);
-                let (changes, moves) = self.chooser.changes(&self.target, &key, &moved);
+                let (changes, moves) = self.changes(&key, &moved);
                 let rhs = self.stitcher.divergence(Reference::Rest, &changes);
                 let mut given = vec![Vec3::ZERO; n];
                 for (v, to) in self.anchors.targets(&self.target, &self.chooser, &moved) {

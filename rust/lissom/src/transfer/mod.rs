@@ -42,6 +42,7 @@ mod obstacle;
 mod options;
 mod place;
 pub mod quality;
+mod scale;
 #[cfg(test)]
 mod testing;
 
@@ -49,5 +50,5 @@ pub use apply::{Transfer, Transferred};
 pub use correspondence::Correspondence;
 pub use fit::{Fit, FitOptions, FitReport, fit_correspondence};
 pub use image::SurfacePoint;
-pub use options::{TransferOptions, Unmatched, Weighting};
+pub use options::{Scale, TransferOptions, Unmatched, Weighting};
 pub use quality::KeyQuality;

@@ -22,6 +22,16 @@ choices! {
     }
 }
 
+choices! {
+    /// How far the target goes for what the source does.
+    pub enum Scale {
+        /// With the size of the target: on one twice as large twice as far.
+        Target = "target",
+        /// As far as on the source, in its units: 1 cm stays 1 cm; the whole mesh turns as there.
+        Source = "source",
+    }
+}
+
 options! {
     /// Options of a transfer ([`super::anchor`], [`super::contact`]).
     #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +40,8 @@ options! {
         pub unmatched: Unmatched = Unmatched::Follow,
         /// How much each triangle of the target counts.
         pub weighting: Weighting = Weighting::Area,
+        /// How far the target goes for what the source does.
+        pub scale: Scale = Scale::Target,
         /// The length below which gradients rule and beyond it displacements: lower suits shapes that are much
         /// alike, inf is gradients alone.
         pub anchor: f64 = 1.0 => above(0.0) at_most(f64::INFINITY) unit("of the target's diagonal"),

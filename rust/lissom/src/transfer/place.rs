@@ -5,7 +5,8 @@
 //!   by the same Laplacian, so that no step shows.
 //! * A component with images is where its anchors put it ([`super::anchor`]).
 //! * Any other without such a vertex follows the centroid of its matches: the displacement of the
-//!   matched source triangles, times the size of the component over that of its matches.
+//!   matched source triangles, times the size of the component over that of its matches or at its own size
+//!   ([`super::scale`]).
 //! * A component without any match follows the nearest matched surface rigidly, or stays.
 
 use super::anchor::Anchors;
@@ -35,6 +36,8 @@ struct PlacedComponent {
     triangles: Vec<u32>,
     /// Size of the component over the size of its matches, both in unit coordinates.
     size: f64,
+    /// What the displacements of its matches are multiplied with.
+    gain: f64,
     /// Whether anchors say where it goes.
     anchored: bool,
     /// For a component without matches: the vertices of the nearest matched surface.
@@ -42,7 +45,7 @@ struct PlacedComponent {
 }
 
 impl Placer {
-    /// Prepares the components of `target`, whose stitching matrix is `matrix`.
+    /// Prepares the components of `target`, whose stitching matrix is `matrix`; `gain` as [`super::scale::gain`].
     pub fn new(
         source: &Mesh,
         target: &Mesh,
@@ -50,6 +53,7 @@ impl Placer {
         chooser: &Chooser,
         anchors: &Anchors,
         unmatched: Unmatched,
+        gain: Option<f64>,
     ) -> Self {
         let mut parts: Vec<PlacedComponent> = target
             .components()
@@ -58,7 +62,8 @@ impl Placer {
             .enumerate()
             .map(|(c, vertices)| {
                 let anchored = anchors.hold(c);
-                PlacedComponent { vertices, triangles: Vec::new(), size: 1.0, anchored, beside: None }
+                let triangles = Vec::new();
+                PlacedComponent { vertices, triangles, size: 1.0, gain: 1.0, anchored, beside: None }
             })
             .collect();
         for (t, corners) in (0u32..).zip(target.triangles()) {
@@ -68,10 +73,16 @@ impl Placer {
         }
         for part in &mut parts {
             part.size = part.size_ratio(source, target, chooser);
+            part.gain = gain.unwrap_or(part.size);
         }
         let mut placer = Self { parts, rows: matrix.rows() };
         placer.find_neighbours(target, chooser, unmatched);
         placer
+    }
+
+    /// Size of a component over that of its matches, in unit coordinates.
+    pub fn size(&self, component: usize) -> f64 {
+        self.parts[component].size
     }
 
     /// Components without a match, by number.
@@ -245,7 +256,7 @@ impl PlacedComponent {
             let wanted = matches.iter().map(|&s| key.shift(s)).sum::<Vec3>() / matches.len() as f64;
             let found = target.triangles()[t as usize].iter().map(|&v| d[v as usize]).sum::<Vec3>() / 3.0;
             let weight = target.areas()[t as usize].max(f64::MIN_POSITIVE);
-            sum += (wanted * self.size - found) * weight;
+            sum += (wanted * self.gain - found) * weight;
             area += weight;
         }
         sum / area

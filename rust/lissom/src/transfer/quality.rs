@@ -67,8 +67,7 @@ impl Transfer {
         let scale = target.frame().scale;
         let displacements: Vec<Vec3> =
             carried.iter().zip(target.vertices()).map(|(&p, &v)| (p - v) / scale).collect();
-        let (residual, flipped_triangles) =
-            self.against(&self.chooser.changes(target, &key, &moved).0, &displacements);
+        let (residual, flipped_triangles) = self.against(&self.changes(&key, &moved).0, &displacements);
         let contacts = self.contacts(&key, &moved);
         let gaps = contacts.iter().map(|contact| contact.excess(target, &displacements));
         let contact_gap = 100.0 * gaps.fold(0.0, |sum, gap| sum + gap) / contacts.len().max(1) as f64;
