@@ -7,7 +7,7 @@ from ..core import space
 from ..core.refused import Refused
 from . import groups
 from .checks import mesh_object, require_mesh
-from .meshes import Snapshot
+from .meshes import Snapshot, polygons_of_triangles
 
 
 def objects_of(context, side, names):
@@ -123,6 +123,15 @@ class Assembly:
             for part, start in zip(self.parts, self._starts[:-1], strict=True)
         ]
         return self.rest(), np.concatenate(triangles).astype(np.int32)
+
+    def polygons(self, triangles):
+        """For each object the faces, ascending, that some triangles (k,) of ``geometry`` are part of."""
+        counts = np.cumsum([0, *(len(part.triangles) for part in self.parts)])
+        found = []
+        for obj, low, high in zip(self.objects(), counts[:-1], counts[1:], strict=True):
+            own = triangles[(triangles >= low) & (triangles < high)] - low
+            found.append(np.unique(polygons_of_triangles(obj.data)[own]))
+        return found
 
     def mask(self, group):
         """The vertices of a vertex group that one object has, or several; Refused where none has (row 25)."""

@@ -7,7 +7,7 @@ import numpy as np
 from ..core import space
 from ..core.refused import Refused
 from . import colours
-from .meshes import corners
+from .meshes import corners, polygons_of_triangles
 
 MOST_UV_MAPS = 8  # Blender makes no more, and says nothing
 
@@ -116,10 +116,8 @@ def triangle_corners(objects, linears):
         mesh.calc_loop_triangles()
         loops = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
         mesh.loop_triangles.foreach_get("loops", loops)
-        own = np.empty(len(mesh.loop_triangles), dtype=np.int32)
-        mesh.loop_triangles.foreach_get("polygon_index", own)
         found.append(space.outward(linear, loops.reshape(-1, 3)) + corner)
-        polygons.append(own + polygon)
+        polygons.append(polygons_of_triangles(mesh) + polygon)
         corner, polygon = corner + len(corners(mesh)), polygon + len(mesh.polygons)
     return np.concatenate(found), np.concatenate(polygons)
 

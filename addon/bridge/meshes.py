@@ -36,6 +36,14 @@ def triangles(mesh):
     return flat.reshape(-1, 3)
 
 
+def polygons_of_triangles(mesh):
+    """(m,) int32: the face that each triangle of Blender's own triangulation is part of."""
+    mesh.calc_loop_triangles()
+    found = np.empty(len(mesh.loop_triangles), dtype=np.int32)
+    mesh.loop_triangles.foreach_get("polygon_index", found)
+    return found
+
+
 def corners(mesh):
     """(c,) int32: the vertex of every corner of every face."""
     flat = np.empty(len(mesh.loops), dtype=np.int32)
@@ -82,8 +90,15 @@ def select_only(obj, vertex):
         edit.select_history.add(edit.verts[vertex])
         bmesh.update_edit_mesh(obj.data, loop_triangles=False, destructive=False)
         return
+    select_vertices(obj, {vertex})
+
+
+def select_vertices(obj, vertices):
+    """Selects a set of vertices and nothing else of a mesh in object mode."""
     mesh = obj.data
-    mesh.vertices.foreach_set("select", np.arange(len(mesh.vertices)) == vertex)
+    chosen = np.zeros(len(mesh.vertices), dtype=bool)
+    chosen[list(vertices)] = True
+    mesh.vertices.foreach_set("select", chosen)
     # Without the attribute none is selected; writing the selection of edges crashes 5.0.1.
     for name in (".select_edge", ".select_poly"):
         if name in mesh.attributes:

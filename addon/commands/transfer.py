@@ -76,6 +76,9 @@ def run(arguments):
         return BAD_INPUT
     for error in report["errors"]:
         print(f"Error: {error}")
+    for row in report.get("quality", ()):
+        if row["verdict"] != "good":
+            print(f"{row['name']}: {row['verdict']}: {', '.join(row['reasons'])}")
     print(f"{_done(report)} on {', '.join(repr(target.name) for target in targets)}")
     return PARTLY_DONE if report["errors"] else DONE
 

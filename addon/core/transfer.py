@@ -136,4 +136,7 @@ class Keys:
     def of_key(self, place, quality):
         """What ``quality`` of the shapes says about one pair; of its relative key's shape nothing."""
         shape = self._pairs[place][0]
-        return {} if shape is None else {name: values[shape].item() for name, values in quality.items()}
+        if shape is None:
+            return {}
+        found = {name: values[shape] for name, values in quality.items()}
+        return {name: one.item() if isinstance(one, np.generic) else one for name, one in found.items()}

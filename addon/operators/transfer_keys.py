@@ -6,6 +6,7 @@ from bpy.props import EnumProperty, StringProperty
 from ..bridge import animation, checks, groups, shape_keys
 from ..bridge.assembly import objects_of
 from ..core import names
+from ..core.quality import pack_faces
 from ..core.refused import Refused, first
 from ..core.transfer import Keys, carried_weights, transfer_work
 from ..properties.transfer import (
@@ -123,8 +124,14 @@ class LISSOM_OT_transfer_keys(TransferProperties, JobOperator, bpy.types.Operato
             if new is not None:
                 row = rows.add()
                 row.name = new
-                for field, values in self._shapes.of_key(place, quality).items():
-                    setattr(row, field, values)
+                found = self._shapes.of_key(place, quality)
+                if found:
+                    found["reasons"] = "\n".join(found["reasons"])
+                    parts = self._request.target.polygons(found["faces"])
+                    objects = [part.name for part in self._request.target.parts]
+                    found["faces"] = pack_faces(dict(zip(objects, parts, strict=True)))
+                for field, value in found.items():
+                    setattr(row, field, value)
 
     def _copy_drivers(self, sources, main, target, plan):
         left = []

@@ -1,4 +1,4 @@
-"""Further objects of the source and the target, and the table of quality as a file."""
+"""Further objects of the source and the target; the table of quality as a file, and its faces selected."""
 
 import json
 import os
@@ -7,10 +7,11 @@ import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
+from ..bridge import checks
+from ..bridge.meshes import select_vertices
+from ..core.quality import as_dict, badness, unpack_faces
 from ..core.refused import Refused
 from .job import allowed, answering
-
-MEASURES = ("round_trip", "residual", "flipped_triangles", "contacts", "contact_gap", "motion")
 
 
 class LISSOM_OT_transfer_parts(bpy.types.Operator):
@@ -83,13 +84,46 @@ class LISSOM_OT_quality_save(ExportHelper, bpy.types.Operator):
         self.report({"INFO"}, f"{len(rows)} shape keys in {os.path.basename(path)}")
 
 
+class LISSOM_OT_quality_select(bpy.types.Operator):
+    """Select the faces of this key that are to be looked at, and make it the active one"""
+
+    bl_idname = "lissom.quality_select"
+    bl_label = "Select Faces"
+    bl_options = {"REGISTER", "UNDO"}
+
+    key: StringProperty(name="Key", description="Name of the shape key in the table", options={"SKIP_SAVE"})
+
+    @classmethod
+    def poll(cls, context):
+        there = len(context.scene.lissom_transfer.quality)
+        return allowed(cls, "" if there else "Transfer with Check Quality first")
+
+    @answering
+    def execute(self, context):
+        row = context.scene.lissom_transfer.quality.get(self.key)
+        if row is None:
+            raise Refused(f"The table has no shape key named '{self.key}'")
+        faces = unpack_faces(row.faces)
+        if not faces:
+            raise Refused(f"'{self.key}' has no faces to look at")
+        found = {checks.mesh_object(name, context): own for name, own in faces.items()}
+        for obj, own in found.items():
+            checks.require_writable(obj)
+            if max(own) >= len(obj.data.polygons):
+                raise Refused(f"The mesh of '{obj.name}' was changed since: transfer again")
+        for obj, own in found.items():
+            select_vertices(obj, {v for face in own for v in obj.data.polygons[face].vertices})
+            keys = obj.data.shape_keys
+            if keys and self.key in keys.key_blocks:
+                obj.active_shape_key_index = keys.key_blocks.find(self.key)
+        count = sum(map(len, faces.values()))
+        self.report({"INFO"}, f"{count} faces to look at: {', '.join(row.reasons.splitlines())}")
+
+
 def quality_rows(scene):
-    """The table of quality as dicts, the worst round trip first."""
-    rows = [
-        {"name": row.name, **{measure: getattr(row, measure) for measure in MEASURES}}
-        for row in scene.lissom_transfer.quality
-    ]
-    return sorted(rows, key=lambda row: -row["round_trip"])
+    """The table of quality as dicts, the worst first."""
+    rows = sorted(scene.lissom_transfer.quality, key=badness, reverse=True)
+    return [as_dict(row) for row in rows]
 
 
-classes = (LISSOM_OT_transfer_parts, LISSOM_OT_quality_save)
+classes = (LISSOM_OT_transfer_parts, LISSOM_OT_quality_save, LISSOM_OT_quality_select)

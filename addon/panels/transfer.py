@@ -7,6 +7,7 @@ from ..bridge import colours, shape_keys
 from ..bridge import markers as bridge_markers
 from ..bridge.assembly import both_sides
 from ..core.colours import LEGEND, LIMIT
+from ..core.quality import ORDERS, badness
 from ..core.refused import Refused
 from .common import Sidebar, draw_lines, draw_progress, split_column
 
@@ -59,10 +60,9 @@ class LISSOM_UL_quality(bpy.types.UIList):
     bl_idname = "LISSOM_UL_quality"
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property):
-        row = layout.split(factor=0.55)
-        row.label(text=item.name, translate=False)
-        value = getattr(item, data.quality_order)
-        row.label(text=SHOWN[data.quality_order].format(value))
+        row = layout.split(factor=0.45)
+        row.label(text=item.name, translate=False, icon=VERDICT_ICONS[item.verdict])
+        row.label(text=ORDERS[data.quality_order][1](item))
 
     def filter_items(self, context, data, property_name):
         rows = getattr(data, property_name)
@@ -70,8 +70,10 @@ class LISSOM_UL_quality(bpy.types.UIList):
         flags = []
         if self.filter_name:
             flags = helper.filter_items_by_name(self.filter_name, self.bitflag_filter_item, rows)
-        worst = [(place, -getattr(row, data.quality_order)) for place, row in enumerate(rows)]
-        return flags, helper.sort_items_helper(worst, lambda pair: pair[1])
+        rows = list(enumerate(rows))
+        return flags, helper.sort_items_helper(
+            rows, lambda pair: badness(pair[1], data.quality_order), reverse=True
+        )
 
 
 class LISSOM_MT_markers(bpy.types.Menu):
@@ -89,12 +91,7 @@ class LISSOM_MT_markers(bpy.types.Menu):
         layout.operator("lissom.marker_clear", icon="X", text="Remove All")
 
 
-SHOWN = {
-    "round_trip": "{:.1%} off",
-    "residual": "{:.1%} off",
-    "flipped_triangles": "{} turned over",
-    "contact_gap": "{:.2f} % apart",
-}
+VERDICT_ICONS = {"good": "CHECKMARK", "look": "HIDE_OFF", "bad": "ERROR"}
 KEY_OPTIONS = ("unmatched", "scale", "exists", "drivers", "contact", "drop_empty", "check")
 POSE_OPTIONS = ("unmatched", "scale", "exists", "contact")
 ANIMATION_OPTIONS = ("unmatched", "scale", "contact")
@@ -279,7 +276,16 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         row.template_list(
             "LISSOM_UL_quality", "", settings, "quality", settings, "active_quality", rows=5, sort_lock=True
         )
-        row.operator("lissom.quality_save", text="", icon="EXPORT")
+        column = row.column(align=True)
+        column.operator("lissom.quality_save", text="", icon="EXPORT")
+        if settings.active_quality >= len(settings.quality):
+            return
+        active = settings.quality[settings.active_quality]
+        if active.faces not in ("", "{}"):
+            select = column.operator("lissom.quality_select", text="", icon="RESTRICT_SELECT_OFF")
+            select.key = active.name
+        for reason in active.reasons.splitlines():
+            draw_lines(layout, VERDICT_ICONS[active.verdict], reason.capitalize())
 
 
 classes = (LISSOM_UL_markers, LISSOM_UL_quality, LISSOM_UL_keys, LISSOM_MT_markers, LISSOM_PT_transfer)

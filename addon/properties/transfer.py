@@ -98,7 +98,7 @@ def check_property():
     """Whether the quality of each key is found."""
     return BoolProperty(
         name="Check Quality",
-        description="Carry every key back to the source as well, and list which of them deserve a look",
+        description="Judge every key by what one sees, and list which of them deserve a look",
         default=True,
     )
 
@@ -187,19 +187,35 @@ class LissomKeyQuality(bpy.types.PropertyGroup):
     """What the last transfer said about one shape key; see lissom.Transfer.quality."""
 
     name: StringProperty(name="Shape Key")
-    round_trip: FloatProperty(
-        name="Round Trip", description="Error after carrying the key back, of its own size", subtype="FACTOR"
+    verdict: EnumProperty(
+        name="Verdict",
+        description="Whether the key can be taken as it is",
+        items=[
+            ("good", "Good", "It can be taken as it is"),
+            ("look", "Look", "It may be right: look at it"),
+            ("bad", "Bad", "It has to be mended"),
+        ],
     )
-    residual: FloatProperty(
-        name="Residual", description="How far the key is from what was asked of each face, of its own size"
-    )
+    reasons: StringProperty(name="Reasons", description="Why it is not good, one a line, the worst first")
+    faces: StringProperty(name="Faces", description="Faces to look at, by object, as JSON")
     flipped_triangles: IntProperty(name="Flipped", description="Triangles of the target that are turned over")
+    torn_triangles: IntProperty(name="Torn", description="Triangles 2.5 times as long as was asked")
     contacts: IntProperty(name="Contacts", description="Vertices of the target that meet another surface")
     contact_gap: FloatProperty(
         name="Gap",
         description="How much wider apart they are than on the source, in percent of the target's size",
     )
+    closing: FloatProperty(name="Closing", description="What part of the way they come together", default=1.0)
+    strength: FloatProperty(
+        name="Strength", description="Motion over that of the source, as Scale has it", default=1.0
+    )
+    crooked: FloatProperty(
+        name="Crooked", description="Difference of left and right where there is none on the source"
+    )
     motion: FloatProperty(name="Motion", description="Largest motion, in percent of the target's size")
+    residual: FloatProperty(
+        name="Residual", description="How far the key is from what was asked of each face, of its own size"
+    )
 
 
 class LissomKeyChoice(bpy.types.PropertyGroup):
@@ -295,10 +311,12 @@ class LissomTransfer(bpy.types.PropertyGroup):
         name="Order",
         description="What the table is sorted by, the worst first",
         items=[
-            ("round_trip", "Round Trip", "Error after carrying the key back to the source"),
-            ("residual", "Residual", "How far the key is from what was asked of each face"),
+            ("verdict", "Verdict", "Bad keys, then those that deserve a look"),
             ("flipped_triangles", "Flipped", "Faces that are turned over"),
+            ("torn_triangles", "Torn", "Faces that are stretched beyond what was asked"),
             ("contact_gap", "Gap", "Lids and lips that stay apart"),
+            ("strength", "Strength", "Motions that are lost or exaggerated"),
+            ("residual", "Residual", "How far the key is from what was asked of each face"),
         ],
     )
 

@@ -130,20 +130,33 @@ class Transferred:
 
 @dataclass(frozen=True, eq=False)
 class Quality(Report):
-    """What there is to say about each of k shapes that were carried over; 0 where a pose is the rest."""
+    """What there is to say about each of k shapes that were carried over."""
 
-    residual: NDArray[np.float64]
-    """(k,) how far from the gradients asked for the result is, relative to them."""
+    verdict: list[str]
+    """Of each: "good"; "look", where it may be right; "bad", where it is not."""
+    reasons: list[list[str]]
+    """Of each why, in words, the worst first: "12 triangles turned over"; empty where it is good."""
+    faces: list[NDArray[np.int64]]
+    """Of each the target triangles to look at: turned over, torn, or beside a gap."""
     flipped_triangles: NDArray[np.int64]
-    """(k,) target triangles that face against theirs."""
+    """(k,) target triangles turned over: they face against where the source's turn them."""
+    torn_triangles: NDArray[np.int64]
+    """(k,) target triangles with an edge 2.5 times as long as the source's shape asks for."""
     contacts: NDArray[np.int64]
     """(k,) target vertices whose images meet another surface."""
     contact_gap: NDArray[np.float64]
     """(k,) how much wider than on the source their mean distance is, in percent of the target's diagonal."""
-    round_trip: NDArray[np.float64]
-    """(k,) root mean square error of carrying the shape back, relative to the displacement of the pose."""
+    closing: NDArray[np.float64]
+    """(k,) what part of the way they come together; 1 where there are none."""
+    strength: NDArray[np.float64]
+    """(k,) motion over that of the source, scaled as the transfer does; 1 where nothing is seen to move."""
+    crooked: NDArray[np.float64]
+    """(k,) difference of left and right over the motion, where both meshes and the source's shape are
+    symmetric about a plane across an axis; 0 elsewhere."""
     motion: NDArray[np.float64]
     """(k,) largest displacement, in percent of the target's diagonal."""
+    residual: NDArray[np.float64]
+    """(k,) how far from the gradients asked for the result is, relative to them; no part of the verdict."""
 
 
 class Transfer:
@@ -193,9 +206,9 @@ class Transfer:
 
     def quality(self, poses: ArrayLike, vertices: ArrayLike) -> Quality:
         """What there is to say about ``vertices`` (k, n_target, 3), which `apply` has made of ``poses`` (k,
-        n_source, 3).
+        n_source, 3): a verdict on each, with reasons.
 
-        Raises InvalidValue for values that are not finite or another number of poses, SolveFailed, Cancelled.
+        Raises InvalidValue for values that are not finite or another number of poses, Cancelled.
         """
         return self.start_quality(poses, vertices).result()
 

@@ -277,6 +277,31 @@ def test_rows_of_markers_and_keys():
 ARC = ("start", "end", "slider", *SETTINGS)
 
 
+def test_the_table_of_quality_tells_verdicts_and_reasons(panels):
+    settings = bpy.context.scene.lissom_transfer
+    settings.source, settings.target = scene.tube(name="Source"), scene.tube(name="Target")
+    for name, verdict, reasons in (
+        ("a", "good", ""),
+        ("b", "bad", "closes only 60 % of the way\n1 triangle torn"),
+    ):
+        row = settings.quality.add()
+        row.name, row.verdict, row.reasons = name, verdict, reasons
+    row.faces = '{"Target": [3]}'
+    drawn = draw(panels["transfer"])
+    assert "LISSOM_UL_quality" in drawn["classes"] and "lissom.quality_select" not in drawn["operators"]
+    settings.active_quality = 1
+    drawn = draw(panels["transfer"])
+    assert drawn["operators"]["lissom.quality_select"] == [{"key": "b"}]
+    assert "Closes only 60 % of the way" in text(drawn) and "1 triangle torn" in text(drawn)
+    kind = bpy.types.LISSOM_UL_quality
+    for order in ("verdict", "flipped_triangles", "torn_triangles", "contact_gap", "strength", "residual"):
+        settings.quality_order = order
+        for row in settings.quality:
+            assert draw(kind, settings, row, 0, None, "")["labels"][0] == row.name
+    settings.quality_order = "verdict"
+    assert draw(kind, settings, row, 0, None, "")["labels"][1] == "Closes only 60 % of the way"
+
+
 def test_inbetween_passes_its_settings_on_and_shows_sliders(panels):
     obj = scene.tube()
     assert "no shape keys yet" in text(draw(panels["inbetween"]))

@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 import scene
 from bl_ext.user_default.lissom import commands
+from bl_ext.user_default.lissom.bridge.meshes import selected_vertices
+from bl_ext.user_default.lissom.core.quality import pack_faces
+from bl_ext.user_default.lissom.operators import transfer_parts
 from mathutils import Matrix
 from numpy.testing import assert_allclose, assert_array_equal
 from test_transfer import deltas, monkeys
@@ -182,18 +185,58 @@ def test_the_quality_of_every_key_is_listed_and_saved(tmp_path):
     bpy.ops.lissom.transfer_keys(exists="RENAME")
     assert [row.name for row in settings.quality] == ["squash.001", "ears.001", "look.001", "nothing.001"]
     squash, ears, _, nothing = settings.quality
-    assert 0 < squash.round_trip < 0.1 and 0 < ears.round_trip < 0.3
+    assert 0.9 < squash.strength < 1.1 and 0.9 < ears.strength < 1.1
     assert squash.motion > ears.motion / 10 > 0
-    assert nothing.round_trip == nothing.residual == nothing.motion == 0
+    assert nothing.verdict == "good" and nothing.residual == nothing.motion == 0
     bpy.ops.lissom.quality_save(filepath=str(tmp_path / "quality.json"))
     rows = json.loads((tmp_path / "quality.json").read_text())["keys"]
-    assert len(rows) == 4 and rows == sorted(rows, key=lambda row: -row["round_trip"])
+    ranks = [["good", "look", "bad"].index(row["verdict"]) for row in rows]
+    assert len(rows) == 4 and ranks == sorted(ranks, reverse=True)
     assert rows[-1] == {
-        "name": "nothing.001", "round_trip": 0.0, "residual": 0.0, "flipped_triangles": 0, "contacts": 0,
-        "contact_gap": 0.0, "motion": 0.0,
+        "name": "nothing.001", "verdict": "good", "reasons": [], "faces": {}, "flipped_triangles": 0,
+        "torn_triangles": 0, "contacts": 0, "contact_gap": 0.0, "closing": 1.0, "strength": 1.0,
+        "crooked": 0.0, "motion": 0.0, "residual": 0.0,
     }  # fmt: skip
     settings.active_quality = 2
     assert target.active_shape_key.name == "look.001"
+
+
+def test_faces_of_a_row_are_selected_on_their_objects(both):
+    sources, targets, _ = both
+    settings = bpy.context.scene.lissom_transfer
+    settings.target = targets[0]
+    bpy.ops.lissom.transfer_keys(source=names(sources), target=names(targets))
+    row = settings.quality["look"]
+    with scene.refused("'squash' has no faces to look at"):
+        settings.quality["squash"].faces = "{}"
+        bpy.ops.lissom.quality_select(key="squash")
+    row.faces, row.reasons = pack_faces({targets[0].name: [3, 9], targets[1].name: [0]}), "3 triangles torn"
+    assert bpy.ops.lissom.quality_select(key="look") == {"FINISHED"}
+    for obj, faces in zip(targets, ([3, 9], [0]), strict=True):
+        wanted = {v for face in faces for v in obj.data.polygons[face].vertices}
+        assert set(selected_vertices(obj).tolist()) == wanted
+        assert obj.active_shape_key.name == "look"
+    row.faces = pack_faces({targets[1].name: [10**6]})
+    with scene.refused("was changed since: transfer again"):
+        bpy.ops.lissom.quality_select(key="look")
+    with scene.refused("no shape key named 'other'"):
+        bpy.ops.lissom.quality_select(key="other")
+
+
+def test_a_key_that_turns_faces_over_is_bad_and_says_which(both):
+    """The source's own key is fine; a fit with two markers exchanged is not."""
+    sources, targets, _ = both
+    settings = bpy.context.scene.lissom_transfer
+    one, other = settings.markers[0], settings.markers[5]
+    one.target, other.target = other.target, one.target
+    bpy.ops.lissom.transfer_keys(source=names(sources), target=names(targets))
+    rows = transfer_parts.quality_rows(bpy.context.scene)
+    assert rows[0]["verdict"] != "good" and rows[0]["reasons"]
+    counts = {obj.name: len(obj.data.polygons) for obj in targets}
+    for row in rows:
+        assert (row["verdict"] == "good") == (not row["reasons"])
+        for name, faces in row["faces"].items():
+            assert faces == sorted(set(faces)) and faces[-1] < counts[name]
 
 
 def test_the_command_takes_several_objects_and_reports_quality(both, tmp_path):

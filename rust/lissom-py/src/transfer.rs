@@ -112,7 +112,7 @@ impl PyTransfer {
         PyJob::start(move |job| transfer.apply(&poses, job), convert)
     }
 
-    /// The job's result is a dict of (k,) arrays.
+    /// The job's result is a dict of (k,) arrays, and of lists of k.
     fn start_quality(&self, poses: &Bound<'_, PyAny>, vertices: &Bound<'_, PyAny>) -> PyResult<PyJob> {
         let poses = arrays::poses("poses", poses, self.0.source().vertices().len())?;
         let vertices = arrays::poses("vertices", vertices, self.0.target().vertices().len())?;
@@ -149,12 +149,19 @@ impl PyTransfer {
 fn qualities(py: Python<'_>, keys: Vec<KeyQuality>) -> PyResult<Py<PyAny>> {
     let numbers = |of: fn(&KeyQuality) -> f64| arrays::from_numbers(py, keys.iter().map(of));
     let counts = |of: fn(&KeyQuality) -> usize| arrays::from_integers(py, keys.iter().map(|k| of(k) as i64));
+    let faces = |key: &KeyQuality| arrays::from_integers(py, key.faces.iter().map(|&t| i64::from(t)));
     let dict = PyDict::new(py);
-    dict.set_item("residual", numbers(|key| key.residual))?;
+    dict.set_item("verdict", keys.iter().map(|key| key.verdict.name()).collect::<Vec<_>>())?;
+    dict.set_item("reasons", keys.iter().map(|key| key.reasons.clone()).collect::<Vec<_>>())?;
+    dict.set_item("faces", keys.iter().map(faces).collect::<Vec<_>>())?;
     dict.set_item("flipped_triangles", counts(|key| key.flipped_triangles))?;
+    dict.set_item("torn_triangles", counts(|key| key.torn_triangles))?;
     dict.set_item("contacts", counts(|key| key.contacts))?;
     dict.set_item("contact_gap", numbers(|key| key.contact_gap))?;
-    dict.set_item("round_trip", numbers(|key| key.round_trip))?;
+    dict.set_item("closing", numbers(|key| key.closing))?;
+    dict.set_item("strength", numbers(|key| key.strength))?;
+    dict.set_item("crooked", numbers(|key| key.crooked))?;
     dict.set_item("motion", numbers(|key| key.motion))?;
+    dict.set_item("residual", numbers(|key| key.residual))?;
     Ok(dict.into_any().unbind())
 }

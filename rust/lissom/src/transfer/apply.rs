@@ -54,15 +54,13 @@ pub struct Transferred {
 pub struct Transfer {
     pub(super) source: Arc<Mesh>,
     pub(super) target: Arc<Mesh>,
-    /// As the inputs count, and as the triangles in use do.
-    pub(super) matches: Correspondence,
+    /// As the triangles in use count.
     pub(super) used: Correspondence,
-    pub(super) options: TransferOptions,
     pub(super) chooser: Chooser,
     pub(super) anchors: Anchors,
     /// `1 / r` of each component ([`super::scale`]).
     pub(super) factors: Vec<f64>,
-    placer: Placer,
+    pub(super) placer: Placer,
     closing: Option<Closing>,
     stitcher: Stitcher,
     /// `w_t` over the area of the triangle.
@@ -116,13 +114,10 @@ impl Transfer {
         let regularized = stitcher.system().factor().is_regularized().then(|| REGULARIZED.into());
         let warnings = fault.map(|fault| fault.to_string()).into_iter().chain(regularized).collect();
         job.report(1.0, "prepare");
-        let matches = matches.clone();
         Ok(Self {
             source,
             target,
-            matches,
             used,
-            options,
             chooser,
             anchors,
             factors,

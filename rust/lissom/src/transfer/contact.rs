@@ -72,11 +72,11 @@ impl Contact {
         there - values[self.vertex as usize]
     }
 
-    /// How much wider apart the two are than the source's places, at rest plus `displacements`, in unit
-    /// coordinates.
-    pub fn excess(&self, target: &Mesh, displacements: &[Vec3]) -> f64 {
-        let gap = self.difference(target.rest()) + self.difference(displacements);
-        (gap.length() - self.gap.length()).max(0.0)
+    /// How far the two have to come together, and how much of it is left with `displacements`, in unit coordinates.
+    pub fn closing(&self, target: &Mesh, displacements: &[Vec3]) -> (f64, f64) {
+        let at_rest = self.difference(target.rest());
+        let left = (at_rest + self.difference(displacements)).length() - self.gap.length();
+        ((at_rest.length() - self.gap.length()).max(0.0), left.max(0.0))
     }
 }
 

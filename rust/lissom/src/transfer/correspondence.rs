@@ -20,15 +20,6 @@ impl Correspondence {
         Self { pairs, ..Self::default() }
     }
 
-    /// The same with source and target exchanged.
-    pub fn reversed(&self) -> Self {
-        Self {
-            pairs: self.pairs.iter().map(|&[s, t]| [t, s]).collect(),
-            images: self.back_images.clone(),
-            back_images: self.images.clone(),
-        }
-    }
-
     /// The same in terms of the triangles in use; what lies on triangles that a mesh left out is left out.
     ///
     /// # Errors

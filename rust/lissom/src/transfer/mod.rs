@@ -43,8 +43,10 @@ mod options;
 mod place;
 pub mod quality;
 mod scale;
+mod symmetry;
 #[cfg(test)]
 mod testing;
+mod verdict;
 
 pub use apply::{Transfer, Transferred};
 pub use correspondence::Correspondence;
@@ -52,3 +54,4 @@ pub use fit::{Fit, FitOptions, FitReport, fit_correspondence};
 pub use image::SurfacePoint;
 pub use options::{Scale, TransferOptions, Unmatched, Weighting};
 pub use quality::KeyQuality;
+pub use verdict::Verdict;

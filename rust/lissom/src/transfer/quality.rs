@@ -2,33 +2,81 @@
 //!
 //! | | |
 //! |---|---|
-//! | residual | `sqrt(sum_t w_t \|grad_t d - D_t\|^2 / sum_t w_t \|D_t\|^2)`, with `D_t = (C_t - I)(I - n n^T)`: how far stitching is from what was asked |
-//! | flipped | target triangles that face against where `C_t` turns them |
+//! | turned over | target triangles that face against where `C_t` turns them |
+//! | torn | target triangles with an edge [`RAGGED`] times as long as `C_t` makes it |
 //! | contact gap | how much wider apart than on the source are the places that meet there |
-//! | round trip | root mean square error of source -> target -> source, over the key's own displacement |
+//! | closing | the part of the way to where they meet that they have gone |
+//! | strength | root mean square displacement over what the anchors ask for ([`super::anchor`]) |
+//! | crooked | left against right, where both meshes and the source's key are symmetric ([`super::symmetry`]) |
+//! | residual | `sqrt(sum_t w_t \|grad_t d - D_t\|^2 / sum_t w_t \|D_t\|^2)`, with `D_t = (C_t - I)(I - n n^T)`: how far stitching is from what was asked |
+//!
+//! From all but the residual, which nobody sees, comes the verdict ([`super::verdict`]).
 
 use rayon::prelude::*;
 
 use super::apply::{Transfer, check};
 use super::choose::SourceKey;
+use super::symmetry::Mirror;
+use super::verdict::{Findings, Verdict, judge};
 use crate::geometry::triangle::normal_and_area;
 use crate::{Error, Fault, Job, Mat3, Result, Vec3};
 
+/// An edge so many times as long as asked is torn: the fit calls triangles stretched from 3 on, and asks for that
+/// itself where the target is; what stitching adds shows earlier.
+const RAGGED: f64 = 2.5;
+
+/// Edges count as asked to be at least this part of what they are at rest: what is asked to vanish, as in a shut lid,
+/// cannot be torn.
+const COLLAPSED: f64 = 0.3;
+
+/// Triangles that keep less than this part of their area show no side, nor that they are turned over.
+const NO_SIDE: f64 = 0.05;
+
+/// Triangles belong to a motion when they go further than this part of the largest displacement.
+const MOVING: f64 = 0.05;
+
+/// Motions below this part of the diagonal, 0.03 mm on a head, are not seen.
+const UNSEEN: f64 = 1e-4;
+
+/// Source keys whose sides differ by less than this are meant to be symmetric: those of faces keep to 1 to 3 %.
+const EVEN: f64 = 0.05;
+
 /// What is to be known about one key.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct KeyQuality {
-    /// Relative, 0 where nothing is asked for.
-    pub residual: f64,
-    /// Number of target triangles.
+    /// Whether it can be taken as it is.
+    pub verdict: Verdict,
+    /// Why not, in words, the worst first.
+    pub reasons: Vec<String>,
+    /// Target triangles to look at, as the input counts them: turned over, torn, or beside a gap.
+    pub faces: Vec<u32>,
+    /// Number of target triangles turned over.
     pub flipped_triangles: usize,
+    /// Number of target triangles torn.
+    pub torn_triangles: usize,
     /// Target vertices whose images meet another surface in this key.
     pub contacts: usize,
     /// Mean over those, in percent of the target's diagonal; 0 where there is none.
     pub contact_gap: f64,
-    /// Over the source vertices that lie on the target; relative, 0 where they do not move.
-    pub round_trip: f64,
+    /// What part of the way they come together, 1 where there is none.
+    pub closing: f64,
+    /// Motion over that of the source, scaled as the transfer does; 1 where nothing is seen to move.
+    pub strength: f64,
+    /// Difference of left and right over the motion; 0 where there is no symmetry.
+    pub crooked: f64,
     /// Largest displacement of a target vertex, in percent of the target's diagonal.
     pub motion: f64,
+    /// Relative, 0 where nothing is asked for.
+    pub residual: f64,
+}
+
+/// One target triangle in a key.
+struct Triangle {
+    off: f64,
+    asked: f64,
+    turned: bool,
+    torn: bool,
+    moves: f64,
 }
 
 impl Transfer {
@@ -36,7 +84,8 @@ impl Transfer {
     ///
     /// # Errors
     ///
-    /// As [`Transfer::new`] and [`Transfer::apply`].
+    /// [`Error::InvalidValue`] for another number of keys, for keys of another size than the meshes and values that are
+    /// not finite, [`Error::Cancelled`].
     pub fn quality(&self, poses: &[Vec<Vec3>], carried: &[Vec<Vec3>], job: &Job) -> Result<Vec<KeyQuality>> {
         check("poses", poses, &self.source, "source")?;
         check("vertices", carried, &self.target, "target")?;
@@ -44,71 +93,129 @@ impl Transfer {
             let problem = format!("{} for {} poses", carried.len(), poses.len());
             return Err(Error::InvalidValue(Fault::new("vertices", problem)));
         }
-        job.report(0.0, "round trip");
-        let way_back =
-            Self::new(self.target.clone(), self.source.clone(), &self.matches.reversed(), self.options, job)?;
-        let returned = way_back.apply(carried, job)?.poses;
-        job.report(0.5, "quality");
+        job.report(0.0, "quality");
         job.check()?;
-        let all = poses.par_iter().zip(carried).zip(&returned);
-        let found = all.map(|((pose, carried), returned)| {
+        let mirrors = Mirror::of_both(&self.source, &self.target);
+        job.report(0.2, "quality");
+        let found = poses.par_iter().zip(carried).map(|(pose, carried)| {
             job.check()?;
-            Ok(self.quality_of(pose, carried, returned))
+            Ok(self.quality_of(pose, carried, &mirrors))
         });
         let found: Result<Vec<KeyQuality>> = found.collect();
         job.report(1.0, "quality");
         found
     }
 
-    fn quality_of(&self, pose: &[Vec3], carried: &[Vec3], returned: &[Vec3]) -> KeyQuality {
-        let (source, target) = (&*self.source, &*self.target);
-        let key = SourceKey::of(source, pose);
+    fn quality_of(&self, pose: &[Vec3], carried: &[Vec3], mirrors: &[[Mirror; 2]]) -> KeyQuality {
+        let target = &*self.target;
+        let key = SourceKey::of(&self.source, pose);
         let moved = self.chooser.displacements(&key);
         let scale = target.frame().scale;
         let displacements: Vec<Vec3> =
             carried.iter().zip(target.vertices()).map(|(&p, &v)| (p - v) / scale).collect();
-        let (residual, flipped_triangles) = self.against(&self.changes(&key, &moved).0, &displacements);
-        let contacts = self.contacts(&key, &moved);
-        let gaps = contacts.iter().map(|contact| contact.excess(target, &displacements));
-        let contact_gap = 100.0 * gaps.fold(0.0, |sum, gap| sum + gap) / contacts.len().max(1) as f64;
-        let seen = |v: &usize| self.used.back_images[*v].is_some();
-        let sum = |difference: &dyn Fn(usize) -> Vec3| -> f64 {
-            (0..pose.len()).filter(seen).map(|v| difference(v).length_squared()).sum()
+        let motion = displacements.iter().map(|d| d.length()).fold(0.0, f64::max);
+        let triangles = self.triangles(&self.changes(&key, &moved).0, &displacements);
+        let sum = |of: fn(&Triangle) -> f64| triangles.iter().map(of).sum::<f64>();
+        let (off, asked) = (sum(|t| t.off), sum(|t| t.asked));
+        let residual = if asked > 0.0 { (off.max(0.0) / asked).sqrt() } else { 0.0 };
+        let area_of = |which: &dyn Fn(&Triangle) -> bool| -> f64 {
+            triangles.iter().zip(target.areas()).filter(|(t, _)| which(t)).map(|(_, area)| area).sum()
         };
-        let own = sum(&|v| key.displacement[v]) * source.frame().scale.powi(2);
-        let off = sum(&|v| returned[v] - pose[v]);
-        let round_trip = if own > 0.0 { (off / own).sqrt() } else { 0.0 };
-        let motion = 100.0 * displacements.iter().map(|d| d.length()).fold(0.0, f64::max);
-        KeyQuality { residual, flipped_triangles, contacts: contacts.len(), contact_gap, round_trip, motion }
+        let moving = area_of(&|t| t.moves > MOVING * motion);
+        let part = |which: fn(&Triangle) -> bool| {
+            let count = triangles.iter().filter(|t| which(t)).count();
+            // What is turned over is so whatever its area.
+            (count, if count > 0 { (area_of(&which) / moving).max(f64::MIN_POSITIVE) } else { 0.0 })
+        };
+        let (turned, torn) = (part(|t| t.turned), part(|t| t.torn));
+        let contacts = self.contacts(&key, &moved);
+        let gaps: Vec<_> = contacts.iter().map(|c| c.closing(target, &displacements)).collect();
+        let gap = gaps.iter().map(|(_, left)| left).sum::<f64>() / contacts.len().max(1) as f64;
+        let way: f64 = gaps.iter().map(|(way, _)| way).sum();
+        let closing = if way > 0.0 { (1.0 - gap * contacts.len() as f64 / way).clamp(0.0, 1.0) } else { 1.0 };
+        let (strength, crooked) = (self.strength(&moved, &displacements), {
+            let beyond = |[source, target]: &[Mirror; 2]| {
+                let own = source.difference(&key.displacement);
+                if own < EVEN { (target.difference(&displacements) - own).max(0.0) } else { 0.0 }
+            };
+            if motion > UNSEEN { mirrors.iter().map(beyond).fold(0.0, f64::max) } else { 0.0 }
+        });
+        let found = Findings { turned, torn, contacts: contacts.len(), gap, closing, strength, crooked };
+        let (verdict, reasons) = judge(&found);
+        let open = (contacts.iter().zip(&gaps)).filter(|(_, (way, left))| *left > 0.1 * way && closing < 0.9);
+        let beside = open
+            .flat_map(|(contact, _)| contact.vertices())
+            .flat_map(|v| target.adjacency().corners_of(v as usize).iter().map(|corner| corner.triangle));
+        let wrong = triangles.iter().enumerate().filter(|(_, t)| t.turned || t.torn).map(|(t, _)| t as u32);
+        let mut faces: Vec<u32> = wrong.chain(beside).map(|t| target.triangle_ids()[t as usize]).collect();
+        faces.sort_unstable();
+        faces.dedup();
+        KeyQuality {
+            verdict,
+            reasons,
+            faces,
+            flipped_triangles: turned.0,
+            torn_triangles: torn.0,
+            contacts: contacts.len(),
+            contact_gap: 100.0 * gap,
+            closing,
+            strength,
+            crooked,
+            motion: 100.0 * motion,
+            residual,
+        }
     }
 
-    /// Residual and flipped triangles of `displacements` against the `changes` asked for.
-    fn against(&self, changes: &[Mat3], displacements: &[Vec3]) -> (f64, usize) {
+    /// Root mean square of `displacements` over what the anchors ask for, where the images have gone by `moved`.
+    fn strength(&self, moved: &[Vec3], displacements: &[Vec3]) -> f64 {
+        let asked = self.anchors.targets(&self.target, &self.chooser, moved);
+        let (mut own, mut wanted, mut largest) = (0.0, 0.0, 0.0f64);
+        for ((v, to), (_, weight)) in asked.iter().zip(self.anchors.soft()) {
+            own += weight * displacements[*v as usize].length_squared();
+            wanted += weight * to.length_squared();
+            largest = largest.max(to.length());
+        }
+        if largest > UNSEEN { (own / wanted).sqrt() } else { 1.0 }
+    }
+
+    /// Every triangle of the target, displaced, against the `changes` asked of it.
+    fn triangles(&self, changes: &[Mat3], displacements: &[Vec3]) -> Vec<Triangle> {
         let target = &*self.target;
         let rest = target.rest();
+        let mut follows = vec![false; target.components().count()];
+        self.placer.unmatched().for_each(|component| follows[component] = true);
         let of = |t: usize| {
             let corners = target.triangles()[t];
             let at = corners.map(|v| rest[v as usize]);
             let d = corners.map(|v| displacements[v as usize]);
             let change = changes[t];
-            let (mut off, mut asked) = (0.0, 0.0);
+            let (mut off, mut asked, mut ragged) = (0.0, 0.0, 0.0f64);
             for (corner, weight) in target.half_cotangents()[t].into_iter().enumerate() {
                 let (i, j) = ((corner + 1) % 3, (corner + 2) % 3);
-                let wanted = change * (at[j] - at[i]);
+                let edge = at[j] - at[i];
+                let (wanted, found) = (change * edge, d[j] - d[i]);
                 let weight = weight * self.weights[t];
-                off += weight * (d[j] - d[i] - wanted).length_squared();
+                off += weight * (found - wanted).length_squared();
                 asked += weight * wanted.length_squared();
+                let least = (edge + wanted).length().max(COLLAPSED * edge.length());
+                ragged = ragged.max((edge + found).length() / least);
             }
             let normal = target.normals()[t];
             let target_gradient = Mat3::IDENTITY + change;
             let a = normal.any_orthonormal_vector();
             let target_normal = (target_gradient * a).cross(target_gradient * normal.cross(a));
-            let (posed_normal, _) = normal_and_area([at[0] + d[0], at[1] + d[1], at[2] + d[2]]);
-            (off, asked, usize::from(target_normal.dot(posed_normal) < 0.0))
+            let (posed_normal, area) = normal_and_area([at[0] + d[0], at[1] + d[1], at[2] + d[2]]);
+            // Nothing is asked of what follows others rigidly.
+            let judged = target.components().of_vertex(corners[0] as usize).is_some_and(|c| !follows[c]);
+            let has_side = area > NO_SIDE * target.areas()[t] && target_normal.length() > NO_SIDE;
+            Triangle {
+                off,
+                asked,
+                turned: judged && has_side && target_normal.dot(posed_normal) < 0.0,
+                torn: judged && ragged > RAGGED,
+                moves: d.map(|d| d.length()).into_iter().fold(0.0, f64::max),
+            }
         };
-        let all: Vec<_> = (0..changes.len()).into_par_iter().map(of).collect();
-        let add = |a: (f64, f64, usize), b: &(f64, f64, usize)| (a.0 + b.0, a.1 + b.1, a.2 + b.2);
-        let (off, asked, flipped) = all.iter().fold((0.0, 0.0, 0), add);
-        (if asked > 0.0 { (off.max(0.0) / asked).sqrt() } else { 0.0 }, flipped)
+        (0..changes.len()).into_par_iter().map(of).collect()
     }
 }

@@ -1,0 +1,144 @@
+//! Verdict: whether a key that was carried over is good, deserves a look, or is bad, and why, from what one sees.
+
+/// What is to be done about a key.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// Nothing.
+    #[default]
+    Good,
+    /// It may be right: look at it.
+    Look,
+    /// It has to be mended.
+    Bad,
+}
+
+impl Verdict {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Look => "look",
+            Self::Bad => "bad",
+        }
+    }
+}
+
+/// Turned over: any triangle deserves a look, as one alone makes a dent in the shading; a patch of this part of the
+/// area that moves is a dark spot that no light hides.
+const TURNED: [f64; 2] = [0.0, 2e-3];
+
+/// Torn: as a part of the area that moves. A triangle in a thousand is one at a fold, where lips part; a hundredth
+/// of a motion is a visible rag.
+const TORN: [f64; 2] = [1e-3, 1e-2];
+
+/// Open: what part of the way surfaces still are from each other that meet on the source. A slit of a tenth of the eye
+/// shows the white in a close shot; at two fifths a blink reads as a squint.
+const OPEN: [f64; 2] = [0.1, 0.4];
+
+/// Gaps below this part of the target's diagonal, 0.1 mm on a head, are none.
+const NO_GAP: f64 = 3e-4;
+
+/// Fewer contacts are chance touches, not lids or lips.
+const FEW: usize = 4;
+
+/// How many times too small or too large a motion is: animators exaggerate by a third without anyone taking it for
+/// another expression; at 2.5 it is another one.
+const STRENGTH: [f64; 2] = [4.0 / 3.0, 2.5];
+
+/// Differences of left and right, over the motion, beyond that of the source. A smile that is a fifth stronger on one
+/// side reads as crooked, one of a half as a smirk.
+const CROOKED: [f64; 2] = [0.2, 0.5];
+
+/// What is known about a key before it is judged.
+#[derive(Debug, Clone, Copy)]
+pub struct Findings {
+    /// Triangles turned over, and their part of the area that moves.
+    pub turned: (usize, f64),
+    /// Triangles torn, and their part of the area that moves.
+    pub torn: (usize, f64),
+    /// Vertices that meet another surface on the source.
+    pub contacts: usize,
+    /// Mean distance that these are wider apart than there, a part of the diagonal.
+    pub gap: f64,
+    /// What part of the way they come together.
+    pub closing: f64,
+    /// Motion over what was asked.
+    pub strength: f64,
+    /// Difference of left and right beyond that of the source.
+    pub crooked: f64,
+}
+
+/// The verdict, and the reasons for it, the worst first.
+pub fn judge(found: &Findings) -> (Verdict, Vec<String>) {
+    let triangles = |n: usize| if n == 1 { "1 triangle".into() } else { format!("{n} triangles") };
+    let open = 1.0 - found.closing;
+    let seen = found.contacts >= FEW && found.gap > NO_GAP;
+    let off = found.strength.max(1.0 / found.strength);
+    let percent = |part: f64| (100.0 * part).round();
+    let only = if found.strength < 1.0 { "only " } else { "" };
+    let mut reasons = [
+        (grade(found.turned.1, TURNED), format!("{} turned over", triangles(found.turned.0))),
+        (grade(found.torn.1, TORN), format!("{} torn", triangles(found.torn.0))),
+        (
+            if seen { grade(open, OPEN) } else { Verdict::Good },
+            format!("closes only {} % of the way", percent(found.closing)),
+        ),
+        (grade(off, STRENGTH), format!("moves {only}{} % as far as on the source", percent(found.strength))),
+        (
+            grade(found.crooked, CROOKED),
+            format!("left and right differ by {} % of the motion", percent(found.crooked)),
+        ),
+    ];
+    reasons.sort_by_key(|(verdict, _)| std::cmp::Reverse(*verdict));
+    let verdict = reasons[0].0;
+    let told = reasons.into_iter().filter(|(verdict, _)| *verdict > Verdict::Good);
+    (verdict, told.map(|(_, reason)| reason).collect())
+}
+
+fn grade(value: f64, [look, bad]: [f64; 2]) -> Verdict {
+    if value > bad {
+        Verdict::Bad
+    } else if value > look {
+        Verdict::Look
+    } else {
+        Verdict::Good
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FINE: Findings = Findings {
+        turned: (0, 0.0),
+        torn: (0, 0.0),
+        contacts: 0,
+        gap: 0.0,
+        closing: 1.0,
+        strength: 1.0,
+        crooked: 0.0,
+    };
+
+    #[test]
+    fn the_worst_reason_comes_first_and_decides() {
+        assert_eq!(judge(&FINE), (Verdict::Good, Vec::new()));
+        let one = Findings { turned: (1, 1e-5), ..FINE };
+        assert_eq!(judge(&one), (Verdict::Look, vec!["1 triangle turned over".into()]));
+        let closes = Findings { contacts: 30, gap: 0.01, closing: 0.55, ..one };
+        let (verdict, reasons) = judge(&closes);
+        assert_eq!(verdict, Verdict::Bad);
+        assert_eq!(reasons, ["closes only 55 % of the way", "1 triangle turned over"]);
+        let (verdict, reasons) = judge(&Findings { strength: 1.6, crooked: 0.3, ..FINE });
+        assert_eq!(verdict, Verdict::Look);
+        assert_eq!(
+            reasons,
+            ["moves 160 % as far as on the source", "left and right differ by 30 % of the motion"]
+        );
+    }
+
+    #[test]
+    fn a_key_that_has_come_to_rest_is_bad() {
+        let (verdict, reasons) = judge(&Findings { strength: 0.0, ..FINE });
+        assert_eq!((verdict, reasons[0].as_str()), (Verdict::Bad, "moves only 0 % as far as on the source"));
+    }
+}

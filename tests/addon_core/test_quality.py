@@ -1,0 +1,45 @@
+"""The table of quality: order, words, and faces as text."""
+
+from types import SimpleNamespace
+
+import numpy as np
+from lissom_addon_core.quality import MEASURES, ORDERS, as_dict, badness, pack_faces, reasons, unpack_faces
+
+
+def row(name, verdict="good", reasons="", faces="", **measures):
+    known = dict.fromkeys(MEASURES, 0) | {"strength": 1.0, "closing": 1.0} | measures
+    return SimpleNamespace(name=name, verdict=verdict, reasons=reasons, faces=faces, **known)
+
+
+ROWS = [
+    row("fine"),
+    row("rough", residual=0.2),
+    row("weak", "look", "moves only 50 % as far as on the source", strength=0.5),
+    row("bad", "bad", "12 triangles turned over\n3 triangles torn", flipped_triangles=12, torn_triangles=3),
+    row("strong", "look", "moves 140 % as far as on the source", strength=1.4, residual=0.1),
+]
+
+
+def order(by):
+    return [found.name for found in sorted(ROWS, key=lambda one: badness(one, by), reverse=True)]
+
+
+def test_the_worst_come_first():
+    assert order("verdict") == ["bad", "strong", "weak", "rough", "fine"]
+    assert order("strength")[:2] == ["weak", "strong"]
+    assert order("flipped_triangles")[0] == "bad"
+    for name, (_, told) in ORDERS.items():
+        assert all(told(one) for one in ROWS), name
+
+
+def test_reasons_are_told_or_that_it_is_good():
+    assert ORDERS["verdict"][1](ROWS[3]) == "12 triangles turned over"
+    assert ORDERS["verdict"][1](ROWS[0]) == "Good"
+    assert reasons(ROWS[3])[1] == "3 triangles torn"
+    assert as_dict(ROWS[0])["reasons"] == [] and as_dict(ROWS[3])["flipped_triangles"] == 12
+
+
+def test_faces_survive_as_text():
+    text = pack_faces({"Head": np.array([3, 5]), "Eyes": np.array([], int), 'Öl "x"': np.array([0])})
+    assert unpack_faces(text) == {"Head": [3, 5], 'Öl "x"': [0]}
+    assert unpack_faces("") == unpack_faces(pack_faces({})) == {}
