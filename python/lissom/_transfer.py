@@ -137,7 +137,7 @@ class Quality(Report):
     reasons: list[list[str]]
     """Of each why, in words, the worst first: "12 triangles turned over"; empty where it is good."""
     faces: list[NDArray[np.int64]]
-    """Of each the target triangles to look at: turned over, torn, or beside a gap."""
+    """Of each the target triangles to look at: turned over, torn, or beside a gap; none where it is good."""
     flipped_triangles: NDArray[np.int64]
     """(k,) target triangles turned over: they face against where the source's turn them."""
     torn_triangles: NDArray[np.int64]

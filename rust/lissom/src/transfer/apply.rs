@@ -21,11 +21,11 @@ use super::correspondence::Correspondence;
 use super::obstacle::{Least, Obstacles};
 use super::options::{TransferOptions, Unmatched, Weighting};
 use super::place::Placer;
-use super::scale;
+use super::scale::{self, Scaling};
 use crate::linear::{ConstrainedSystem, Constraints, REGULARIZED};
 use crate::options::OptionSet;
 use crate::stitch::{Owners, Reference, Stitcher, Weights};
-use crate::{Error, Fault, Job, Mesh, Result, Vec3, memory};
+use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, memory};
 
 /// Keys solved together, between two looks at the job.
 const KEYS_AT_ONCE: usize = 8;
@@ -58,8 +58,7 @@ pub struct Transfer {
     pub(super) used: Correspondence,
     pub(super) chooser: Chooser,
     pub(super) anchors: Anchors,
-    /// `1 / r` of each component ([`super::scale`]).
-    pub(super) factors: Vec<f64>,
+    scaling: Scaling,
     pub(super) placer: Placer,
     closing: Option<Closing>,
     stitcher: Stitcher,
@@ -96,7 +95,7 @@ impl Transfer {
         job.check()?;
         let policy = options.unmatched;
         let placer = Placer::new(&source, &target, stitcher.matrix(), &chooser, &anchors, policy, gain);
-        let factors = scale::factors(&target, &anchors, &placer, gain);
+        let scaling = Scaling::new(&target, &anchors, &placer, gain);
         let closing = match options.contact {
             true => Some(Closing {
                 system: contact::system(&target, stitcher.matrix(), job)?,
@@ -120,7 +119,7 @@ impl Transfer {
             used,
             chooser,
             anchors,
-            factors,
+            scaling,
             placer,
             closing,
             stitcher,
@@ -194,6 +193,18 @@ impl Transfer {
         job.check()?;
         let positions = keys.par_iter().zip(given).map(|(moving, found)| self.finish(moving, found));
         Ok((positions.collect::<Result<_>>()?, solving))
+    }
+
+    /// Of every target triangle what is asked of it, `C - I` ([`super::choose`], [`super::scale`]), and whether it moves.
+    pub(super) fn changes(&self, key: &SourceKey, moved: &[Vec3]) -> (Vec<Mat3>, Vec<bool>) {
+        let (mut changes, moves) = self.chooser.changes(&self.target, key, moved);
+        self.scaling.apply(&self.target, &self.chooser, &self.anchors, moved, &mut changes);
+        (changes, moves)
+    }
+
+    /// Whether places that come together on the source are made to on the target.
+    pub(super) fn closes_contacts(&self) -> bool {
+        self.closing.is_some()
     }
 
     /// What comes together in a key.

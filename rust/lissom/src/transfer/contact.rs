@@ -66,6 +66,11 @@ impl Contact {
         self.place.iter().map(|&(v, _)| v).chain([self.vertex])
     }
 
+    /// How much of a lid or lip the vertex makes up: the side of the square of its area, in unit coordinates.
+    pub fn length(&self) -> f64 {
+        self.pull * SMOOTH
+    }
+
     /// From vertex to place, where the target's vertices have `values`.
     fn difference(&self, values: &[Vec3]) -> Vec3 {
         let there: Vec3 = self.place.iter().map(|&(v, weight)| values[v as usize] * weight).sum();

@@ -201,14 +201,13 @@ impl<'a> Corners<'a> {
             if distance <= REACHED {
                 break;
             }
-            let beyond = self.beyond(t, goal);
-            for corner in 0..3 {
+            for (corner, beyond) in self.beyond(t, goal).into_iter().enumerate() {
                 let Some(next) = self.across[t as usize][corner] else { continue };
                 if barred(t, corner) || seen.contains(&next) {
                     continue;
                 }
                 let there = self.distance(next, goal);
-                if beyond[corner] || there < distance {
+                if beyond || there < distance {
                     seen.push(next);
                     open.push((there, next));
                 }

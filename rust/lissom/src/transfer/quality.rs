@@ -16,6 +16,7 @@ use rayon::prelude::*;
 
 use super::apply::{Transfer, check};
 use super::choose::SourceKey;
+use super::contact::Contact;
 use super::symmetry::Mirror;
 use super::verdict::{Findings, Verdict, judge};
 use crate::geometry::triangle::normal_and_area;
@@ -41,6 +42,9 @@ const UNSEEN: f64 = 1e-4;
 /// Source keys whose sides differ by less than this are meant to be symmetric: those of faces keep to 1 to 3 %.
 const EVEN: f64 = 0.05;
 
+/// Places that meet are beside a gap while this part of their way is left.
+const STILL_OPEN: f64 = 0.1;
+
 /// What is to be known about one key.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct KeyQuality {
@@ -48,7 +52,8 @@ pub struct KeyQuality {
     pub verdict: Verdict,
     /// Why not, in words, the worst first.
     pub reasons: Vec<String>,
-    /// Target triangles to look at, as the input counts them: turned over, torn, or beside a gap.
+    /// Target triangles to look at, as the input counts them: turned over, torn, or beside a gap; none where it is
+    /// good.
     pub faces: Vec<u32>,
     /// Number of target triangles turned over.
     pub flipped_triangles: usize,
@@ -130,7 +135,7 @@ impl Transfer {
         let (turned, torn) = (part(|t| t.turned), part(|t| t.torn));
         let contacts = self.contacts(&key, &moved);
         let gaps: Vec<_> = contacts.iter().map(|c| c.closing(target, &displacements)).collect();
-        let gap = gaps.iter().map(|(_, left)| left).sum::<f64>() / contacts.len().max(1) as f64;
+        let gap = gaps.iter().fold(0.0, |sum, (_, left)| sum + left) / contacts.len().max(1) as f64;
         let way: f64 = gaps.iter().map(|(way, _)| way).sum();
         let closing = if way > 0.0 { (1.0 - gap * contacts.len() as f64 / way).clamp(0.0, 1.0) } else { 1.0 };
         let (strength, crooked) = (self.strength(&moved, &displacements), {
@@ -140,9 +145,15 @@ impl Transfer {
             };
             if motion > UNSEEN { mirrors.iter().map(beyond).fold(0.0, f64::max) } else { 0.0 }
         });
-        let found = Findings { turned, torn, contacts: contacts.len(), gap, closing, strength, crooked };
+        let along = contacts.iter().map(Contact::length).sum();
+        let mut found = Findings { turned, torn, along, gap, closing, strength, crooked };
+        if self.closes_contacts() && found.closes() {
+            // Lids of larger eyes have a longer way than the source's.
+            found.strength = strength.min(1.0);
+        }
         let (verdict, reasons) = judge(&found);
-        let open = (contacts.iter().zip(&gaps)).filter(|(_, (way, left))| *left > 0.1 * way && closing < 0.9);
+        let told = found.open() > Verdict::Good;
+        let open = contacts.iter().zip(&gaps).filter(|(_, (way, left))| told && *left > STILL_OPEN * way);
         let beside = open
             .flat_map(|(contact, _)| contact.vertices())
             .flat_map(|v| target.adjacency().corners_of(v as usize).iter().map(|corner| corner.triangle));
@@ -150,6 +161,9 @@ impl Transfer {
         let mut faces: Vec<u32> = wrong.chain(beside).map(|t| target.triangle_ids()[t as usize]).collect();
         faces.sort_unstable();
         faces.dedup();
+        if verdict == Verdict::Good {
+            faces.clear();
+        }
         KeyQuality {
             verdict,
             reasons,

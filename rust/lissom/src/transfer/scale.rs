@@ -14,8 +14,7 @@
 //! that of its anchors, or of its matches where it has none. With `r = 1` it is `C' = C`.
 
 use super::anchor::{Anchors, Whole};
-use super::apply::Transfer;
-use super::choose::SourceKey;
+use super::choose::Chooser;
 use super::options::Scale;
 use super::place::Placer;
 use crate::{Mat3, Mesh, Vec3};
@@ -29,32 +28,42 @@ pub fn gain(source: &Mesh, target: &Mesh, scale: Scale) -> Option<f64> {
     }
 }
 
-/// `1 / r` of each component of the target.
-pub fn factors(target: &Mesh, anchors: &Anchors, placer: &Placer, gain: Option<f64>) -> Vec<f64> {
-    let factor = |c: usize| {
-        let size = if anchors.hold(c) { anchors.size(c) } else { placer.size(c) };
-        gain.map_or(1.0, |gain| gain / size)
-    };
-    (0..target.components().count()).map(factor).collect()
+/// `1 / r` of each component of a target.
+pub struct Scaling {
+    factors: Vec<f64>,
 }
 
-impl Transfer {
-    /// Of every target triangle `C' - I`, and whether it moves.
-    pub(super) fn changes(&self, key: &SourceKey, moved: &[Vec3]) -> (Vec<Mat3>, Vec<bool>) {
-        let (mut changes, moves) = self.chooser.changes(&self.target, key, moved);
+impl Scaling {
+    /// The lengths of components against those of their anchors, or of their matches.
+    pub fn new(target: &Mesh, anchors: &Anchors, placer: &Placer, gain: Option<f64>) -> Self {
+        let factor = |c: usize| {
+            let size = if anchors.hold(c) { anchors.size(c) } else { placer.size(c) };
+            gain.map_or(1.0, |gain| gain / size)
+        };
+        Self { factors: (0..target.components().count()).map(factor).collect() }
+    }
+
+    /// Makes `C' - I` of the `C - I` of every target triangle, where the images have gone by `moved`.
+    pub fn apply(
+        &self,
+        target: &Mesh,
+        chooser: &Chooser,
+        anchors: &Anchors,
+        moved: &[Vec3],
+        changes: &mut [Mat3],
+    ) {
         if self.factors.iter().all(|&factor| factor == 1.0) {
-            return (changes, moves);
+            return;
         }
         let wholes: Vec<Option<Whole>> =
-            (0..self.factors.len()).map(|c| self.anchors.whole(c, &self.chooser, moved)).collect();
-        for (corners, change) in self.target.triangles().iter().zip(&mut changes) {
-            let Some(c) = self.target.components().of_vertex(corners[0] as usize) else { continue };
+            (0..self.factors.len()).map(|c| anchors.whole(c, chooser, moved)).collect();
+        for (corners, change) in target.triangles().iter().zip(changes) {
+            let Some(c) = target.components().of_vertex(corners[0] as usize) else { continue };
             let asked = |whole: &Whole| {
-                whole.linear() - Mat3::IDENTITY
-                    + (*change + Mat3::IDENTITY - whole.of_source()) * self.factors[c]
+                let beyond = *change + Mat3::IDENTITY - whole.of_source();
+                whole.linear() - Mat3::IDENTITY + beyond * self.factors[c]
             };
             *change = wholes[c].as_ref().map_or(*change * self.factors[c], asked);
         }
-        (changes, moves)
     }
 }
