@@ -8,6 +8,7 @@ from bl_ext.user_default.lissom.bridge import attributes
 from bl_ext.user_default.lissom.core.attributes import LEAST_WEIGHT, skin
 from numpy.testing import assert_allclose, assert_array_equal
 from test_transfer import monkeys
+from test_transfer_parts import both, names  # noqa: F401 (a fixture)
 
 BONES = np.array([[1.2, 0, 0.3], [-1.2, 0, 0.3], [0, -0.7, 0], [0, 0.6, 0.2], [0, 0, 1], [0, -0.2, -0.9]])
 MOST = 3
@@ -194,6 +195,25 @@ def test_a_mirrored_object_gets_its_corners_in_order(dressed):
     bpy.context.view_layer.update()
     bpy.ops.lissom.transfer_attributes(vertex_groups=False)
     assert np.abs(uv_of(target) - expected).max() < 1e-3
+
+
+def test_several_objects_get_their_own_parts(both):  # noqa: F811
+    sources, targets, _ = both
+    for place, obj in enumerate(sources):
+        attributes.write_weights(obj, f"part {place}", np.ones(len(obj.data.vertices)))
+        attributes.write_weights(obj, "all", np.full(len(obj.data.vertices), 0.5))
+        colour(obj, "Dots", "POINT")
+    sides = {"source": names(sources), "target": names(targets)}
+    assert bpy.ops.lissom.transfer_attributes(uv_maps=False, **sides) == {"FINISHED"}
+    for place, obj in enumerate(targets):
+        groups, weights = attributes.weights([obj])
+        found = dict(zip(groups, weights.T, strict=True))
+        assert_allclose(found["all"], 0.5, atol=1e-6)
+        assert_allclose(found[f"part {place}"], 1, atol=1e-6)
+        assert found.get(f"part {1 - place}", np.zeros(1)).max() < 1e-6
+        place = scene.points(obj.data.vertices) * 0.2 + 0.5
+        (layer,) = attributes.layers([obj], False, True)
+        assert np.median(np.abs(attributes.read([obj], layer)[:, :3] - place)) < 0.005
 
 
 def test_a_skin_keeps_to_what_the_source_has():

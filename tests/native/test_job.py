@@ -41,6 +41,10 @@ def prepared():
     return lissom.Transfer(MESH, MESH, SAME)
 
 
+def by_fit():
+    return lissom.Transfer(MESH, MESH, lissom.fit_correspondence(MESH, MESH, np.zeros((0, 2), int)))
+
+
 def path():
     return lissom.Inbetween(MESH, VERTICES, TURNED)
 
@@ -61,6 +65,14 @@ CALLS = {
     "Transfer.quality": (
         lambda: prepared().quality(KEYS, KEYS[::-1]),
         lambda: prepared().start_quality(KEYS, KEYS[::-1]),
+    ),
+    "Transfer.attributes": (
+        lambda: by_fit().attributes(VERTICES),
+        lambda: by_fit().start_attributes(VERTICES),
+    ),
+    "Transfer.corner_attributes": (
+        lambda: by_fit().corner_attributes(VERTICES[FACES]),
+        lambda: by_fit().start_corner_attributes(VERTICES[FACES]),
     ),
     "Inbetween": (
         lambda: lissom.Inbetween(MESH, VERTICES, TURNED, "shortest", stretch="logarithmic"),

@@ -166,7 +166,8 @@ def test_rows_11_and_13_to_15_transfer_says_what_is_doubtful(how, told, side):
     result = transfer.apply([key]).vertices
     assert np.isfinite(result).all()
     quality = transfer.quality([key], result)
-    assert all(np.isfinite(values).all() for values in quality.values())
+    numbers = [values for values in quality.values() if isinstance(values, np.ndarray)]
+    assert len(numbers) == 9 and all(np.isfinite(values).all() for values in numbers)
     if how != "soup":  # whose triangles all go their own way
         known = ends[1][0] + 0.1 * np.sin(2 * ends[1][0])
         off = np.linalg.norm(result[0] - known, axis=1)[: len(vertices)]
