@@ -224,14 +224,16 @@ def test_faces_of_a_row_are_selected_on_their_objects(both):
 
 
 def test_a_key_that_turns_faces_over_is_bad_and_says_which(both):
-    """The source's own key is fine; a fit with two markers exchanged is not."""
+    """The source's own key is fine; a fit with markers exchanged is not."""
     sources, targets, _ = both
     settings = bpy.context.scene.lissom_transfer
-    one, other = settings.markers[0], settings.markers[5]
-    one.target, other.target = other.target, one.target
+    count = len(settings.markers)
+    for k in range(0, count // 2, 2):
+        one, other = settings.markers[k], settings.markers[count - 1 - k]
+        one.target, other.target = other.target, one.target
     bpy.ops.lissom.transfer_keys(source=names(sources), target=names(targets))
     rows = transfer_parts.quality_rows(bpy.context.scene)
-    assert rows[0]["verdict"] != "good" and rows[0]["reasons"]
+    assert rows[0]["verdict"] == "bad" and rows[0]["faces"]
     counts = {obj.name: len(obj.data.polygons) for obj in targets}
     for row in rows:
         assert (row["verdict"] == "good") == (not row["reasons"])
