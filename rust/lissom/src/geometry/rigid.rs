@@ -83,6 +83,11 @@ pub struct Similarity {
 }
 
 impl Similarity {
+    /// The map by its linear part, a rotation times a scale, and a point and where that goes.
+    pub fn new(linear: Mat3, from: Vec3, to: Vec3) -> Self {
+        Self { linear, from, to }
+    }
+
     /// The linear part.
     pub fn linear(&self) -> Mat3 {
         self.linear

@@ -25,6 +25,7 @@
 //! | image | where a target vertex lies on the fitted source (`image`) |
 //! | stationary | a triangle whose vertices a key does not move; a vertex of none but such matches |
 
+pub mod alignment;
 mod anchor;
 pub mod apply;
 pub mod attributes;
