@@ -27,7 +27,7 @@ fn ball(n: u32, shape: impl Fn(Vec3) -> Vec3) -> Parts {
     (vertices, triangles)
 }
 
-/// A sphere with three unequal bumps, the mirror image of none of its rotations.
+/// A sphere with three unequal bumps, which no rotation takes to itself.
 fn lump(p: Vec3) -> Vec3 {
     let p = p.normalize();
     let bump = |x: f64, y: f64, z: f64| (4.0 * (p.dot(Vec3::new(x, y, z).normalize()) - 1.0)).exp();

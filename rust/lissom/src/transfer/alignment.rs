@@ -5,38 +5,34 @@
 //! (Geman & McClure; Zhou, Park & Koltun 2016, Fast Global Registration):
 //!
 //! ```text
-//!     cost  =  mean over samples of both  d^2 / (d^2 + r^2),        d  the distance, over the size of the sample's mesh
+//!     cost  =  mean over samples of both  d^2 / (d^2 + r^2),     d  the distance, over the size of the sample's mesh
 //! ```
 //!
-//! Both ways, since a source that shrinks to a point is near to the target while the target is not near to it. Each
-//! way over the size of its own mesh, so that shrinking does not make the source's own distances any less, and the
-//! cost is the same with source and target exchanged. The reach `r` falls from round to round: a wide one leads to
-//! the basin, a narrow one tells the parts that are missing from those that differ. It takes the place of a trimmed
-//! fraction (Chetverikov, Stepanov & Krsek 2005, Robust Euclidean Alignment of 3D Point Sets), which would have to be
-//! known, and is another one for a face on a head than for a head on a head.
+//! Both ways, since a source that shrinks to a point is near to the target, but the target not to it; each over the
+//! size of its own mesh, so that shrinking does not make the source's distances any less. The reach `r` falls from
+//! round to round: a wide one leads to the basin, a narrow one tells what is missing from what differs. It takes the
+//! place of a trimmed fraction (Chetverikov, Stepanov & Krsek 2005, Robust Euclidean Alignment of 3D Point Sets), which
+//! is another one for a face on a head than for a head on a head.
 //!
 //! A round minimises, with the weights of that loss, distances to planes (Chen & Medioni 1992, Object Modelling by
-//! Registration of Multiple Range Images) and a little of those to points, which hold where planes let slide. Rotation
-//! and scale are those of one linear step; the closed form of Umeyama (1991) knows no planes.
-//!
-//! The rounds begin at the meshes as they stand, and at the 24 rotations that lay principal axes on principal axes,
-//! all with the sizes made equal; the best of them go on with more samples.
+//! Registration of Multiple Range Images) and a little of those to points, which hold where planes let slide, in one
+//! linear step: the closed form of Umeyama (1991) knows no planes. The rounds begin at the meshes as they stand, and at
+//! the 24 rotations of principal axes onto principal axes, all with equal sizes; the best go on with more samples.
 //!
 //! # Certainty
 //!
 //! ```text
 //!     certainty  =  fit * (1 - exp(-(margin / 0.2)^2))
-//!     fit        =  (0.4 - cost) / 0.2            within 0-1
-//!     margin     =  1 - (cost + 0.01) / (other + 0.01),   not below 0
+//!     fit        =  (0.4 - cost) / 0.2                    within 0-1
+//!     margin     =  1 - (cost + 0.01) / (other + 0.01)    not below 0
 //! ```
 //!
-//! `other` is the cost of the best other candidate, more than 20 degrees away. The margin says that the rotation is
-//! the only one that fits: it is 0 for a sphere, whatever the residual; the 0.01 is what triangles make of symmetric
-//! shapes. The fit says that there is something in common: half the cost is reached by shrinking one mesh onto any
-//! place of the other. Neither suffices. Measured on heads of different people, a face on a head, a cat on a lion
-//! (right), and on models that have nothing in common (wrong): right ones have costs up to 0.28 and margins above 0.2,
-//! wrong ones costs from 0.29 and margins up to 0.17. A target of which the source is a small part has a high cost
-//! however well it lies, and is never certain.
+//! `other` is the cost of the best candidate more than 20 degrees away. The margin says that no other rotation fits:
+//! it is 0 for a sphere, whatever the residual; the 0.01 is what triangles make of symmetric shapes. The fit says that
+//! there is something in common: half the cost is reached by shrinking one mesh onto any place of the other. Neither
+//! suffices. Heads of different people, a face on a head and a cat on a lion have costs up to 0.28 and margins above
+//! 0.2, models with nothing in common costs from 0.29 and margins up to 0.17; a cat in unlike poses is in between. A
+//! source that is a small part of the target, or the reverse, has a high cost however well it lies: it is never certain.
 
 use std::f64::consts::PI;
 
@@ -44,11 +40,11 @@ use rayon::prelude::*;
 
 use crate::geometry::rigid::Similarity;
 use crate::geometry::surface::Surface;
-use crate::matrix::{outer, trace};
+use crate::matrix::{eigenvectors, outer, trace};
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, rotation};
 
-/// Samples of each mesh, reaches from the first to the last round, and how many candidates go on, so many degrees
-/// apart. Heads of 27,000 vertices come out the same within half a degree with twice as many of everything.
+/// Samples of each mesh, reaches from the first round to the last, how many candidates go on, and degrees between them.
+/// With twice as many of everything the heads of other people are met no better.
 const STAGES: [(usize, &[f64], usize, f64); 3] = [
     (64, &[1.0, 0.8, 0.6, 0.5, 0.4, 0.3, 0.3], 6, 10.0),
     (250, &[0.3, 0.25, 0.21, 0.18, 0.15, 0.15], 3, APART),
@@ -61,23 +57,14 @@ const APART: f64 = 20.0;
 /// Weight of the distance to the point beside that to the plane.
 const POINT: f64 = 0.1;
 
-/// Of each mesh's samples, the nearest that the residual is of.
-const TRIMMED: f64 = 0.75;
-
 /// Costs that differ by less are those of the triangulation.
 const COARSENESS: f64 = 0.01;
 
-/// By so much half a turn has to be better than none.
-const HALF_A_TURN: f64 = 0.05;
-
-/// Costs above the first say that there is nothing in common, those below the second that there is.
+/// The costs of meshes that have nothing in common, and of those that have all.
 const COSTS: [f64; 2] = [0.4, 0.2];
 
 /// Margins above this are clear.
 const CLEAR: f64 = 0.2;
-
-/// Longest steps of one round, radians and logarithm of the scale: beyond, the linear step is none.
-const STEPS: [f64; 2] = [0.5, 0.3];
 
 /// How a source lies on a target.
 #[derive(Debug, Clone, Copy)]
@@ -117,7 +104,7 @@ pub fn align(
     );
     let sides = [&source?, &target?];
     let mut found = starts(sides);
-    let mut samples = [Vec::new(), Vec::new()];
+    let mut samples = Samples::default();
     for (count, reaches, kept, apart) in STAGES {
         samples = sides.map(|side| side.samples(count));
         let refined = found.into_par_iter().map(|placed| placed.refine(sides, &samples, reaches, job));
@@ -136,12 +123,8 @@ pub fn align(
     })
 }
 
-/// A point of a surface and the normal there.
-#[derive(Debug, Clone, Copy)]
-struct Sample {
-    point: Vec3,
-    normal: Vec3,
-}
+/// Points of either surface, and the normals there.
+type Samples = [Vec<(Vec3, Vec3)>; 2];
 
 /// What is not masked of a mesh.
 struct Side {
@@ -162,34 +145,33 @@ impl Side {
         if masked.len() != mesh.rest().len() {
             return Err(fault("must have one flag for each vertex"));
         }
-        let open = |t: &usize| mesh.triangles()[*t].iter().all(|&v| !masked[v as usize]);
-        let open: Vec<usize> = (0..mesh.triangles().len()).filter(open).collect();
-        let at = |&t: &usize| mesh.triangles()[t].map(|v| mesh.rest()[v as usize]);
-        let corners: Vec<[Vec3; 3]> = open.iter().map(at).collect();
-        let (mut whole, mut moment, mut areas) = (0.0, Vec3::ZERO, Vec::with_capacity(open.len()));
-        for (&t, [a, b, c]) in open.iter().zip(&corners) {
-            whole += mesh.areas()[t];
-            moment += (a + b + c) * (mesh.areas()[t] / 3.0);
+        let (mut corners, mut areas, mut whole) = (Vec::new(), Vec::new(), 0.0);
+        let (mut first, mut second) = (Vec3::ZERO, Mat3::ZERO);
+        for (triangle, area) in mesh.triangles().iter().zip(mesh.areas()) {
+            if triangle.iter().any(|&v| masked[v as usize]) {
+                continue;
+            }
+            let [a, b, c] = triangle.map(|v| mesh.rest()[v as usize]);
+            let sum = a + b + c;
+            first += sum * (area / 3.0);
+            second += (outer(a, a) + outer(b, b) + outer(c, c) + outer(sum, sum)) * (area / 12.0);
+            whole += area;
+            corners.push([a, b, c]);
             areas.push(whole);
         }
-        let centre = moment / whole;
-        let mut covariance = Mat3::ZERO;
-        for (&t, corners) in open.iter().zip(&corners) {
-            let [a, b, c] = corners.map(|p| p - centre);
-            let sum = a + b + c;
-            covariance += (outer(a, a) + outer(b, b) + outer(c, c) + outer(sum, sum)) * mesh.areas()[t];
-        }
-        let size = (trace(covariance) / (12.0 * whole)).sqrt();
-        // Also where nothing is open, which leaves this 0 / 0.
-        if !(whole > 0.0 && size > f64::EPSILON && size.is_finite()) {
+        let centre = first / whole;
+        let covariance = second * (1.0 / whole) - outer(centre, centre);
+        let size = trace(covariance).sqrt();
+        // Less is rounding; where nothing is open it is 0 / 0.
+        if !(size > 1e-6 && size.is_finite()) {
             return Err(fault("leaves no surface to align"));
         }
-        let axes = principal_axes(covariance);
+        let axes = eigenvectors(covariance);
         Ok(Self { surface: Surface::new(corners.clone()), corners, areas, centre, size, axes })
     }
 
     /// So many samples, each of a share of the area that is as large as any other's.
-    fn samples(&self, count: usize) -> Vec<Sample> {
+    fn samples(&self, count: usize) -> Vec<(Vec3, Vec3)> {
         let whole = self.areas[self.areas.len() - 1];
         let sample = |k: usize| {
             let share = whole * (k as f64 + 0.5) / count as f64;
@@ -198,28 +180,10 @@ impl Side {
             // Roberts 2018, The Unreasonable Effectiveness of Quasirandom Sequences: even in the plane.
             let (u, v) = (0.754_877_666_246_693 * k as f64 % 1.0, 0.569_840_290_998_053 * k as f64 % 1.0);
             let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-            Sample { point: a + (b - a) * u + (c - a) * v, normal: self.surface.normals()[t] }
+            (a + (b - a) * u + (c - a) * v, self.surface.normals()[t])
         };
         (0..count).map(sample).collect()
     }
-}
-
-/// Orthonormal right-handed eigenvectors of a symmetric matrix, by descending eigenvalue (Jacobi 1846).
-fn principal_axes(mut m: Mat3) -> Mat3 {
-    let mut axes = Mat3::IDENTITY;
-    // Convergence is quadratic: five sweeps leave nothing.
-    for (p, q) in [(0, 1), (0, 2), (1, 2)].into_iter().cycle().take(30) {
-        let angle = 0.5 * (2.0 * m.col(q)[p]).atan2(m.col(q)[q] - m.col(p)[p]);
-        let mut turn = Mat3::IDENTITY;
-        (turn.col_mut(p)[p], turn.col_mut(q)[q]) = (angle.cos(), angle.cos());
-        (turn.col_mut(q)[p], turn.col_mut(p)[q]) = (angle.sin(), -angle.sin());
-        m = turn.transpose() * m * turn;
-        axes *= turn;
-    }
-    let mut order = [0, 1, 2];
-    order.sort_by(|&a, &b| m.col(b)[b].total_cmp(&m.col(a)[a]));
-    let (x, y) = (axes.col(order[0]), axes.col(order[1]));
-    Mat3::from_cols(x, y, x.cross(y))
 }
 
 /// A candidate, `p -> shift + scale * rotation p`.
@@ -269,8 +233,9 @@ fn best(mut found: Vec<Placed>, kept: usize, apart: f64) -> Vec<Placed> {
     found.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
     let mut best: Vec<Placed> = Vec::new();
     for placed in found {
-        let wanted = best.len() < kept || placed.as_they_stand;
-        if wanted && best.iter().all(|other| other.apart(&placed) > apart) {
+        if let Some(near) = best.iter_mut().find(|other| other.apart(&placed) <= apart) {
+            near.as_they_stand |= placed.as_they_stand;
+        } else if best.len() < kept || placed.as_they_stand {
             best.push(placed);
         }
     }
@@ -278,9 +243,9 @@ fn best(mut found: Vec<Placed>, kept: usize, apart: f64) -> Vec<Placed> {
 }
 
 impl Placed {
-    /// The cost, and where costs are equal the rotation.
+    /// The cost, and where costs are equal the rotation: half a turn has to be 5 % better than none.
     fn rank(&self) -> f64 {
-        (self.cost + COARSENESS) * (1.0 + HALF_A_TURN * rotation::log(self.rotation).length() / PI)
+        (self.cost + COARSENESS) * (1.0 + 0.05 * rotation::log(self.rotation).length() / PI)
     }
 
     /// The angle between two rotations, degrees.
@@ -289,13 +254,7 @@ impl Placed {
     }
 
     /// One round for each reach but the last, which the cost is of.
-    fn refine(
-        mut self,
-        sides: [&Side; 2],
-        samples: &[Vec<Sample>; 2],
-        reaches: &[f64],
-        job: &Job,
-    ) -> Result<Self> {
+    fn refine(mut self, sides: [&Side; 2], samples: &Samples, reaches: &[f64], job: &Job) -> Result<Self> {
         for (round, reach) in reaches.iter().enumerate() {
             job.check()?;
             let pairs = self.pairs(sides, samples);
@@ -303,8 +262,9 @@ impl Placed {
             if round + 1 == reaches.len() {
                 self.cost = cost(&pairs, squares);
             } else if let Some([a, b, c, x, y, z, growth]) = solve(normal_equations(&pairs, squares)) {
-                let turn = rotation::exp(Vec3::new(a, b, c).clamp_length_max(STEPS[0]));
-                let growth = growth.clamp(-STEPS[1], STEPS[1]).exp();
+                // The equations are linear in both, which larger steps are not.
+                let turn = rotation::exp(Vec3::new(a, b, c).clamp_length_max(0.5));
+                let growth = growth.clamp(-0.3, 0.3).exp();
                 self.rotation = rotation::nearest_rotation(turn * self.rotation);
                 self.scale *= growth;
                 self.shift = turn * self.shift * growth + Vec3::new(x, y, z);
@@ -313,25 +273,22 @@ impl Placed {
         Ok(self)
     }
 
-    fn pairs(&self, [source, target]: [&Side; 2], samples: &[Vec<Sample>; 2]) -> Pairs {
+    fn pairs(&self, [source, target]: [&Side; 2], samples: &Samples) -> Pairs {
         let apply = |p: Vec3| self.rotation * p * self.scale + self.shift;
         let back = self.rotation.transpose();
-        let of_source = |s: &Sample| {
-            let at = apply(s.point);
-            let hit = target.surface.closest_compatible_point(at, self.rotation * s.normal)?;
+        let of_source = |&(point, normal): &(Vec3, Vec3)| {
+            let at = apply(point);
+            let hit = target.surface.closest_compatible_point(at, self.rotation * normal)?;
             Some(Pair { at, to: hit.point, normal: target.surface.normals()[hit.triangle] })
         };
-        let of_target = |s: &Sample| {
-            let point = back * (s.point - self.shift) / self.scale;
-            let hit = source.surface.closest_compatible_point(point, back * s.normal)?;
+        let of_target = |&(point, normal): &(Vec3, Vec3)| {
+            let there = back * (point - self.shift) / self.scale;
+            let hit = source.surface.closest_compatible_point(there, back * normal)?;
             let normal = self.rotation * source.surface.normals()[hit.triangle];
-            Some(Pair { at: apply(hit.point), to: s.point, normal })
+            Some(Pair { at: apply(hit.point), to: point, normal })
         };
-        let few = STAGES[0].0;
-        [
-            samples[0].par_iter().with_min_len(few).map(of_source).collect(),
-            samples[1].par_iter().with_min_len(few).map(of_target).collect(),
-        ]
+        let [sources, targets] = samples.each_ref().map(|of| of.par_iter().with_min_len(STAGES[0].0));
+        [sources.map(of_source).collect(), targets.map(of_target).collect()]
     }
 }
 
@@ -380,12 +337,12 @@ fn solve((mut matrix, mut rhs): ([[f64; 7]; 7], [f64; 7])) -> Option<[f64; 7]> {
     ((0..7).all(|k| matrix[k][k] > 0.0) && x.iter().all(|x| x.is_finite())).then_some(x)
 }
 
-/// Root mean square of the nearer distances, each way as much; what found nothing is a diagonal away.
+/// Root mean square of the nearest three quarters each way; what found nothing is a diagonal away.
 fn residual(pairs: &Pairs) -> f64 {
     let mean = |pairs: &[Option<Pair>]| {
         let mut squares: Vec<f64> = pairs.iter().map(|pair| pair.map_or(1.0, |p| p.squared())).collect();
         squares.sort_by(f64::total_cmp);
-        squares.truncate((squares.len() as f64 * TRIMMED) as usize);
+        squares.truncate(squares.len() * 3 / 4);
         squares.iter().sum::<f64>() / squares.len() as f64
     };
     (0.5 * (mean(&pairs[0]) + mean(&pairs[1]))).sqrt()
