@@ -70,13 +70,17 @@ class SolveOptions(TypedDict, total=False):
 class FitOptions(TypedDict, total=False):
     """Options of fit."""
 
+    source_points: ArrayLike | None
+    """Where on the source each marker is, where that is not at its vertices; a marker's source vertex then
+    only names it."""
+    marker_tolerance: float
+    """How far off markers may be: they pull at first and are released in the end. 0 takes them as exact."""
     smoothness: float
     """How much neighbouring triangles must change alike."""
     identity: float
     """How much triangles must keep their shape and orientation."""
     closest: float
-    """How tightly the source is pulled onto the target in the end. Less for a target of quite other
-    proportions, such as a cartoon's: 50 or so keeps the source from folding there."""
+    """How tightly the source is pulled onto the target in the end."""
     steps: int
     """How many pulls it takes from 1 to the tightest, each of which costs a factorization."""
     rounds: int

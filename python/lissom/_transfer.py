@@ -42,6 +42,8 @@ class FitReport(Report):
     """Their share of the source's area, in percent."""
     unmatched_target_percent: float
     """Their share of the target's area, in percent."""
+    certainty: float
+    """How sure it is that the meshes lie on each other as they were laid, 0-1; 1 by markers."""
     rounds: int
     """Rounds of closest points done."""
     seconds: float
@@ -70,6 +72,10 @@ class Fit:
     """(m_source,) how much longer or narrower than the usual one each fitted triangle is, at least 1."""
     flipped: NDArray[np.int64]
     """(f,) the source triangles that face against the target."""
+    marker_distances: NDArray[np.float64]
+    """(k,) from each marker's place on the fitted source to where it was marked, in the target's units."""
+    doubtful_markers: NDArray[np.int64]
+    """(d,) the markers, by number, that lie where the others do not put them and were left out."""
     report: FitReport
     """How well it went."""
     _core: _native.Fit = field(repr=False)
@@ -78,7 +84,7 @@ class Fit:
 def start_fit(
     source: Mesh,
     target: Mesh,
-    markers: ArrayLike,
+    markers: ArrayLike | None = None,
     points: ArrayLike | None = None,
     **options: Unpack[FitOptions],
 ) -> Job[Fit]:
@@ -90,20 +96,22 @@ def start_fit(
 def fit_correspondence(
     source: Mesh,
     target: Mesh,
-    markers: ArrayLike,
+    markers: ArrayLike | None = None,
     points: ArrayLike | None = None,
     **options: Unpack[FitOptions],
 ) -> Fit:
     """Pulls ``source`` onto ``target`` and matches their triangles (Sumner & Popović 2004).
 
-    markers: (k, 2), vertex of the source, vertex of the target that belongs to it. Meshes of the same
-        triangles need none: without any, each vertex belongs to its like.
+    markers: (k, 2), vertex of the source, vertex of the target that belongs to it; None finds out by the shapes
+        alone how the meshes lie on each other, and says how sure that is (``report["certainty"]``). Meshes of the
+        same triangles need none: without any, each vertex belongs to its like. Markers may be off by
+        ``marker_tolerance``: one that lies where the others do not put it is named and left out.
     points: (k, 3), where on the target the markers' source vertices belong, in its units, where that is not
         at its vertices.
     options: those of ``lissom.options("fit")``.
 
-    Raises InvalidConstraint for no markers, indices out of range and vertices marked twice; InvalidValue
-    for an option out of range; SolveFailed; OutOfMemory; Cancelled.
+    Raises InvalidConstraint for an empty list of markers, indices out of range, vertices marked twice, and meshes
+    with too little in common to do without markers; InvalidValue for an option out of range; SolveFailed; OutOfMemory; Cancelled.
     """
     return start_fit(source, target, markers, points, **options).result()
 

@@ -22,10 +22,14 @@ def test_cat_onto_lion(data):
     cat = lissom.Mesh(archive["cat_reference"], archive["cat_faces"])
     lion = lissom.Mesh(archive["lion_reference"], archive["lion_faces"])
     markers = archive["markers"]
-    fit = lissom.fit_correspondence(cat, lion, markers)
     size = diagonal(archive["lion_reference"])
+    exact = lissom.fit_correspondence(cat, lion, markers, marker_tolerance=0)
+    gaps = exact.fitted_vertices[markers[:, 0]] - archive["lion_reference"][markers[:, 1]]
+    assert np.abs(gaps).max() < 1e-12 * size and exact.marker_distances.max() < 1e-12 * size
+    fit = lissom.fit_correspondence(cat, lion, markers)
     gaps = fit.fitted_vertices[markers[:, 0]] - archive["lion_reference"][markers[:, 1]]
-    assert np.abs(gaps).max() < 1e-12 * size, "markers are exact"
+    assert fit.marker_distances == pytest.approx(np.linalg.norm(gaps, axis=1))
+    assert np.median(fit.marker_distances) < 0.01 * size
     # Measured: 0.020 % on average, 0.66 % at worst, one sliver of the lion unmatched.
     assert fit.report["distance_mean_percent"] < 0.03
     assert fit.report["distance_max_percent"] < 1.0
@@ -42,7 +46,8 @@ def test_it_does_not_depend_on_units_or_place(mesh):
     plain = lissom.fit_correspondence(mesh, lissom.Mesh(vertices, faces), markers)
     far = lissom.Mesh(vertices * 1e-6 + 1.0, faces)
     other = lissom.fit_correspondence(lissom.Mesh(VERTICES * 1e20, FACES), far, markers)
-    assert np.abs((other.fitted_vertices - 1.0) / 1e-6 - plain.fitted_vertices).max() < 1e-6
+    # So far from the origin the last ten digits are lost, and closest points fall on the other of two facets.
+    assert np.abs((other.fitted_vertices - 1.0) / 1e-6 - plain.fitted_vertices).max() < 2e-3
     # Ties between equally near centroids may fall either way.
     assert len(other.pairs) == pytest.approx(len(plain.pairs), rel=0.02)
 

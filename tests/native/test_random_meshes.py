@@ -128,8 +128,13 @@ def test_a_fit_is_finite_or_refused(source, target, data):
     count = data.draw(st.integers(0, min(6, len(rest), len(vertices))))
     marked = [data.draw(st.permutations(range(len(points))))[:count] for points in (rest, vertices)]
 
+    exact = data.draw(st.booleans())
+    tolerance = {"marker_tolerance": 0.0} if exact else {}
+
     def fitted():
-        return lissom.fit_correspondence(source, target, np.column_stack(marked), steps=2, rounds=2)
+        return lissom.fit_correspondence(
+            source, target, np.column_stack(marked), steps=2, rounds=2, **tolerance
+        )
 
     try:
         fit = fitted()
@@ -141,7 +146,9 @@ def test_a_fit_is_finite_or_refused(source, target, data):
         return
     assert np.isfinite(fit.fitted_vertices).all() and np.isfinite(fit.image_weights).all()
     gaps = fit.fitted_vertices[marked[0]] - vertices[marked[1]]
-    assert np.abs(gaps).max(initial=0) < 1e-12 * target.diagonal
+    assert fit.marker_distances == pytest.approx(np.linalg.norm(gaps, axis=1), abs=1e-9 * target.diagonal)
+    if exact:
+        assert np.abs(gaps).max(initial=0) < 1e-12 * target.diagonal
     again = fitted()
     assert np.array_equal(fit.fitted_vertices, again.fitted_vertices)
     assert np.array_equal(fit.pairs, again.pairs)

@@ -21,21 +21,21 @@ pub struct PyFit {
     meshes: [Arc<Mesh>; 2],
 }
 
-/// Fits `source` to `target`: the job's result is (a `Fit`, arrays, report).
+/// Fits `source` to `target`, without markers by their shapes: the job's result is (a `Fit`, arrays, report).
 #[pyfunction]
 pub fn start_fit(
     source: &Bound<'_, PyMesh>,
     target: &Bound<'_, PyMesh>,
-    markers: &Bound<'_, PyAny>,
+    markers: Option<&Bound<'_, PyAny>>,
     options: &Bound<'_, PyDict>,
 ) -> PyResult<PyJob> {
-    let markers = arrays::pairs("markers", markers)?;
+    let markers = markers.map(|markers| arrays::pairs("markers", markers)).transpose()?;
     let mut told = FitOptions::default();
     options::read("fit", options, &mut [&mut told])?;
     let meshes = [source, target].map(|mesh| mesh.get().0.clone());
     let [source, target] = meshes.clone();
     PyJob::start(
-        move |job| fit_correspondence(&source, &target, &markers, &told, job),
+        move |job| fit_correspondence(&source, &target, markers.as_deref(), &told, job),
         move |py, fit| fitted(py, fit, meshes),
     )
 }
@@ -52,10 +52,13 @@ fn fitted(py: Python<'_>, fit: Fit, meshes: [Arc<Mesh>; 2]) -> PyResult<Py<PyAny
     arrays.set_item("distances", arrays::from_numbers(py, fit.distances))?;
     arrays.set_item("image_distances", arrays::from_numbers(py, fit.image_distances))?;
     arrays.set_item("stretch", arrays::from_numbers(py, fit.stretch))?;
+    arrays.set_item("marker_distances", arrays::from_numbers(py, fit.marker_distances))?;
+    let doubtful = fit.doubtful_markers.into_iter().map(i64::from);
+    arrays.set_item("doubtful_markers", arrays::from_integers(py, doubtful))?;
     arrays.set_item("flipped", arrays::from_integers(py, fit.flipped.into_iter().map(i64::from)))?;
     let report = fields!(py, fit.report; distance_mean, distance_max, distance_mean_percent,
         distance_max_percent, flipped_triangles, stretched_triangles, unmatched_source_triangles,
-        unmatched_target_triangles, unmatched_source_percent, unmatched_target_percent, rounds, seconds,
+        unmatched_target_triangles, unmatched_source_percent, unmatched_target_percent, certainty, rounds, seconds,
         warnings);
     let own = Py::new(py, PyFit { matches: fit.matches, meshes })?;
     Ok((own, arrays, report).into_pyobject(py)?.into_any().unbind())

@@ -1,6 +1,6 @@
 //! Unit coordinates.
 
-use crate::{Error, Fault, Result, Vec3};
+use crate::{Error, Fault, Mat3, Result, Vec3};
 
 /// The map between a mesh's own units and unit coordinates: box centred at 0, diagonal 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,6 +29,11 @@ impl UnitFrame {
             )));
         }
         Ok(Self { center: low * 0.5 + high * 0.5, scale })
+    }
+
+    /// Points in the mesh's own units, turned about the centre.
+    pub fn turned(self, turn: Mat3, points: &[Vec3]) -> Vec<Vec3> {
+        points.iter().map(|&p| self.from_unit(turn * self.to_unit(p))).collect()
     }
 
     /// A point, from the mesh's own units to unit coordinates.

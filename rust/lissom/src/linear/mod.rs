@@ -6,6 +6,7 @@
 
 mod columns;
 mod constraints;
+pub mod dense;
 mod factor;
 mod matrix;
 mod system;

@@ -11,7 +11,7 @@ pub use adjacency::{Adjacency, Corner, HalfEdge};
 pub use components::Components;
 
 use crate::geometry::triangle::TriangleGeometry;
-use crate::{Error, Fault, Result, Vec3};
+use crate::{Error, Fault, Mat3, Result, Vec3};
 
 /// A validated triangle mesh with its adjacency and geometry.
 ///
@@ -82,6 +82,11 @@ impl Mesh {
             welds,
             warnings,
         })
+    }
+
+    /// The mesh turned by a rotation about the centre of its unit coordinates.
+    pub(crate) fn turned(&self, turn: Mat3) -> Self {
+        self.reshaped(self.rest.iter().map(|&p| turn * p).collect())
     }
 
     /// The part of a mesh that some of its triangles make up, in the unit coordinates of the whole.

@@ -8,6 +8,7 @@
 //! and coordinates as right-hand sides of one factorization; then every component is put in its
 //! place ([`super::place`]). Displacements are solved for, so a key that moves nothing moves nothing.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -33,6 +34,10 @@ const KEYS_AT_ONCE: usize = 8;
 /// Triangles below this fraction of the mean area count as having it, where weights are per pair.
 const LEAST_AREA: f64 = 1e-3;
 
+/// What a triangle that nothing is known of weighs against others: it follows them and must not hold them, as the
+/// bag behind the lips would if the source has none.
+const UNMATCHED: f64 = 0.01;
+
 /// How often what is missing to stay out of solids is asked for.
 const ASKED: usize = 10;
 
@@ -52,7 +57,10 @@ pub struct Transferred {
 
 /// A prepared transfer from one mesh to another: everything that does not depend on the key.
 pub struct Transfer {
+    /// Turned to face as the target does, ...
     pub(super) source: Arc<Mesh>,
+    /// ... by this, as its poses are when they come in.
+    turn: Mat3,
     pub(super) target: Arc<Mesh>,
     /// As the triangles in use count.
     pub(super) used: Correspondence,
@@ -84,6 +92,8 @@ impl Transfer {
         job.report(0.0, "prepare");
         options.check()?;
         let used = matches.in_use(&source, &target)?;
+        let turn = matches.turn;
+        let source = if turn == Mat3::IDENTITY { source } else { Arc::new(source.turned(turn)) };
         let chooser = Chooser::new(&source, &target, &used.pairs, &used.images)?;
         job.check()?;
         let weights = weights(&target, &chooser, options.weighting);
@@ -115,6 +125,7 @@ impl Transfer {
         job.report(1.0, "prepare");
         Ok(Self {
             source,
+            turn,
             target,
             used,
             chooser,
@@ -170,12 +181,20 @@ impl Transfer {
         Ok(Transferred { poses: results, time: start.elapsed(), solve_time })
     }
 
+    /// A pose of the source as it was given, as one of the source that is turned.
+    pub(super) fn turned<'a>(&self, pose: &'a [Vec3]) -> Cow<'a, [Vec3]> {
+        match self.turn == Mat3::IDENTITY {
+            true => Cow::Borrowed(pose),
+            false => Cow::Owned(self.source.frame().turned(self.turn, pose)),
+        }
+    }
+
     fn apply_block(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<(Vec<Vec<Vec3>>, Duration)> {
         let n = self.target.vertices().len();
         let (keys, (rhs, mut given)): (Vec<Moving>, (Vec<_>, Vec<_>)) = poses
             .par_iter()
             .map(|pose| {
-                let key = SourceKey::of(&self.source, pose);
+                let key = SourceKey::of(&self.source, &self.turned(pose));
                 let moved = self.chooser.displacements(&key);
                 let (changes, moves) = self.changes(&key, &moved);
                 let rhs = self.stitcher.divergence(Reference::Rest, &changes);
@@ -330,11 +349,12 @@ struct Moving<'a> {
 fn weights(target: &Mesh, chooser: &Chooser, weighting: Weighting) -> Vec<f64> {
     let areas = target.areas();
     let mean = areas.iter().sum::<f64>() / areas.len() as f64;
+    let trusted = |t: usize| if chooser.has_target(t) { 1.0 } else { UNMATCHED };
     let per_pair = |(t, &area): (usize, &f64)| {
         chooser.matches(t).len().max(1) as f64 * mean / area.max(LEAST_AREA * mean)
     };
     match weighting {
-        Weighting::Area => vec![1.0; areas.len()],
+        Weighting::Area => (0..areas.len()).map(trusted).collect(),
         Weighting::Pairs => areas.iter().enumerate().map(per_pair).collect(),
     }
 }

@@ -186,7 +186,7 @@ mod tests {
         };
         let images = (0..40).map(|v| (v < 36 && !open(v)).then(|| on(v))).collect();
         let pairs = (0..source.triangles().len() as u32).map(|t| [t, t]).collect();
-        let matches = Correspondence { pairs, images, back_images: Vec::new() };
+        let matches = Correspondence { pairs, images, back_images: Vec::new(), ..Correspondence::default() };
         let options = TransferOptions::default();
         Transfer::new(Arc::new(source), Arc::new(target), &matches, options, &Job::default()).unwrap()
     }

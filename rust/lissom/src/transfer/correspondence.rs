@@ -1,7 +1,7 @@
 //! Correspondence: which places of the source and of the target belong together, in both directions.
 
 use super::image::SurfacePoint;
-use crate::{Error, Fault, Mesh, Result};
+use crate::{Error, Fault, Mat3, Mesh, Result};
 
 /// What a fit finds, and all that a transfer needs; triangles as the input of the meshes counts them.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -12,6 +12,8 @@ pub struct Correspondence {
     pub images: Vec<Option<SurfacePoint>>,
     /// Where each source vertex lies on the target; may be empty.
     pub back_images: Vec<Option<SurfacePoint>>,
+    /// The rotation by which the target lies turned against the source: displacements are to be turned by it.
+    pub turn: Mat3,
 }
 
 impl Correspondence {
@@ -29,7 +31,7 @@ impl Correspondence {
         let pairs = pairs_in_use(source, target, &self.pairs)?;
         let images = images_in_use(source, target, &self.images)?;
         let back_images = images_in_use(target, source, &self.back_images)?;
-        Ok(Self { pairs, images, back_images })
+        Ok(Self { pairs, images, back_images, turn: self.turn })
     }
 }
 

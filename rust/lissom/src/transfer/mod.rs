@@ -30,15 +30,14 @@ mod anchor;
 pub mod apply;
 pub mod attributes;
 mod choose;
-mod component_pairs;
+
 pub mod contact;
 pub mod corners;
 mod correspondence;
-mod energy;
+
 pub mod fit;
 mod image;
-mod markers;
-mod matching;
+
 mod obstacle;
 mod options;
 mod place;

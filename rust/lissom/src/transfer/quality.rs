@@ -104,7 +104,7 @@ impl Transfer {
         job.report(0.2, "quality");
         let found = poses.par_iter().zip(carried).map(|(pose, carried)| {
             job.check()?;
-            Ok(self.quality_of(pose, carried, &mirrors))
+            Ok(self.quality_of(&self.turned(pose), carried, &mirrors))
         });
         let found: Result<Vec<KeyQuality>> = found.collect();
         job.report(1.0, "quality");

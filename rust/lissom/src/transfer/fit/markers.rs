@@ -1,29 +1,49 @@
-//! Markers: pairs of a source vertex and a target vertex, or a point of the target, that belong together.
+//! Markers: pairs of a source vertex and a target vertex, or of points of the surfaces, that belong together.
 
 use std::collections::HashMap;
 
+use super::pulls::Pull;
 use crate::geometry::rigid::{self, Alignment};
+use crate::geometry::surface::Surface;
 use crate::{Error, Fault, Mesh, Result, Vec3, rotation};
 
 /// Markers are collinear when none lies further than this fraction of their extent from a line.
 const COLLINEAR: f64 = 1e-3;
 
+/// A point is at a corner of its triangle where the others count for less than this.
+const AT_VERTEX: f64 = 1e-9;
+
 /// A turn between the two sets of markers from which on the meshes are said to face different ways.
 const TURNED_DEGREES: f64 = 60.0;
 
-/// A source vertex and where it belongs.
+/// A point of the source and where it belongs.
 #[derive(Debug, Clone, Copy)]
 pub struct Marker {
-    /// The source vertex.
-    pub vertex: u32,
+    /// Corners of the source triangle that it is on, and what each counts.
+    pub corners: [u32; 3],
+    /// See there; (1, 0, 0) at a vertex.
+    pub weights: Vec3,
     /// Where that is, in the source's unit coordinates.
     pub rest: Vec3,
     /// Where it belongs, in the target's unit coordinates.
     pub goal: Vec3,
 }
 
-/// Refuses markers that cannot be used and says which are doubtful. `points`, in the target's unit coordinates,
-/// stand in the place of the target vertices where there are any.
+impl Marker {
+    /// Where it is with the source's vertices at `x`.
+    pub fn place(&self, x: &[Vec3]) -> Vec3 {
+        self.pull(0.0).place(x)
+    }
+
+    /// A pull to where it belongs.
+    pub fn pull(&self, weight: f64) -> Pull {
+        Pull::to_point(self.corners, self.weights, self.goal, weight)
+    }
+}
+
+/// Refuses markers that cannot be used and says where they leave something open. `points` of the source and of the
+/// target, in their unit coordinates, stand in the place of vertices where there are any; those of the source count as
+/// the nearest of its surface.
 ///
 /// # Errors
 ///
@@ -33,16 +53,17 @@ pub fn check(
     source: &Mesh,
     target: &Mesh,
     markers: &[[u32; 2]],
-    points: &[Vec3],
+    points: [&[Vec3]; 2],
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Marker>> {
     let refuse = |fault: Option<Fault>| fault.map_or(Ok(()), |f| Err(Error::InvalidConstraint(f)));
-    let pointed = !points.is_empty();
-    if pointed && points.len() != markers.len() {
-        let problem = format!("{} for {} markers", points.len(), markers.len());
-        return Err(Error::InvalidConstraint(Fault::new("points", problem)));
+    for (name, points) in ["source_points", "points"].into_iter().zip(points) {
+        if !points.is_empty() && points.len() != markers.len() {
+            let problem = format!("{} for {} markers", points.len(), markers.len());
+            return Err(Error::InvalidConstraint(Fault::new(name, problem)));
+        }
+        refuse(Fault::at(name, "not finite", (0..points.len()).filter(|&i| !points[i].is_finite())))?;
     }
-    refuse(Fault::at("points", "not finite", (0..points.len()).filter(|&i| !points[i].is_finite())))?;
     if markers.is_empty() {
         let problem = "none given; mark at least three pairs of vertices";
         return Err(Error::InvalidConstraint(Fault::new("markers", problem)));
@@ -56,17 +77,22 @@ pub fn check(
         refuse(Fault::at("markers", format!("{name} vertex out of range, the mesh has {n}"), outside))?;
         let loose = offenders(&|v| mesh.components().of_vertex(v).is_none());
         refuse(Fault::at("markers", format!("{name} vertex is in no face"), loose))?;
-        if side == 0 || !pointed {
+        if points[side].is_empty() {
             refuse(marked_twice(markers, side, name))?;
         }
     }
-    let goal = |(i, &[_, t]): (usize, &[u32; 2])| {
-        if pointed { points[i] } else { target.rest()[t as usize] }
+    let surface = (!points[0].is_empty()).then(|| Surface::of(source.triangles(), source.rest()));
+    let marker = |(i, &[s, t]): (usize, &[u32; 2])| {
+        let goal = points[1].get(i).copied().unwrap_or(target.rest()[t as usize]);
+        let hit = surface.as_ref().and_then(|surface| Some((surface, surface.closest_point(points[0][i])?)));
+        match hit {
+            Some((surface, hit)) => {
+                on_triangle(source, hit.triangle, surface.weights(hit.triangle, hit.point), goal)
+            }
+            None => Marker { corners: [s; 3], weights: Vec3::X, rest: source.rest()[s as usize], goal },
+        }
     };
-    let rest = |s: u32| source.rest()[s as usize];
-    let found: Vec<Marker> = (markers.iter().enumerate())
-        .map(|(i, pair)| Marker { vertex: pair[0], rest: rest(pair[0]), goal: goal((i, pair)) })
-        .collect();
+    let found: Vec<Marker> = markers.iter().enumerate().map(marker).collect();
     let [rests, goals] = offsets(&found);
     if found.len() < 3 {
         warnings.push(format!("markers: only {}; three or more fix how the meshes lie", found.len()));
@@ -77,12 +103,22 @@ pub fn check(
         let degrees = rotation::log(motion.rotation()).length().to_degrees();
         if degrees > TURNED_DEGREES {
             warnings.push(format!(
-                "markers: the target is turned by {degrees:.0} degrees against the source; turn one to \
-                 face the same way, or check for markers that are swapped"
+                "markers: by them the target is turned by {degrees:.0} degrees against the source, and keys turn \
+                 along; if it is not, look for markers that are swapped"
             ));
         }
     }
     Ok(found)
+}
+
+/// A marker at a point of a triangle; at a vertex it is one of that.
+fn on_triangle(source: &Mesh, triangle: usize, weights: Vec3, goal: Vec3) -> Marker {
+    let corners = source.triangles()[triangle];
+    let rest = (0..3).map(|k| source.rest()[corners[k] as usize] * weights[k]).sum();
+    match (0..3).find(|&k| weights[k] > 1.0 - AT_VERTEX) {
+        Some(k) => Marker { corners: [corners[k]; 3], weights: Vec3::X, rest, goal },
+        None => Marker { corners, weights, rest, goal },
+    }
 }
 
 /// The first vertex that several markers name, as a fault that lists those markers.

@@ -1,7 +1,7 @@
 //! The quadratic energy of the fit and its normal equations.
 //!
 //! ```text
-//!     E(x, q) =  w_S sum_i sum_{j beside i} |Q_i - Q_j|^2  +  w_I sum_i |Q_i - I|^2  +  sum_v w_v |x_v - c_v|^2
+//!     E(x, q) =  w_S sum_i sum_{j beside i} |Q_i - Q_j|^2  +  w_I sum_i |Q_i - I|^2
 //!     Q_i     =  sum_c x_c grad phi_c^T  +  q_i n_i^T
 //! ```
 //!
@@ -13,16 +13,25 @@
 //! With `B_i = [grad phi_0, grad phi_1, grad phi_2, n_i]` (3 x 4) and `u_i` the four unknowns of a
 //! triangle, `Q_i^T = B_i u_i`, so the normal matrix is assembled from the 4 x 4 blocks `B_i^T B_i` and
 //! `-B_i^T B_j`; no rectangular matrix is formed. Fixed vertices are eliminated exactly on the way.
+//!
+//! The three axes share this matrix, and with it a factor, as long as nothing couples them.
 
+use rayon::prelude::*;
+
+use crate::geometry::rows::Rows;
 use crate::linear::{Factor, Symbolic, SymmetricMatrix};
+use crate::matrix::outer;
 use crate::operators::hat_gradients;
-use crate::{Mesh, Result, Vec3};
+use crate::{Mat3, Mesh, Result, Vec3};
 
 /// Triangles with less than this fraction of their longest edge squared as area count as having it:
 /// the gradients of slivers would drown all others.
 const LEAST_AREA: f64 = 1e-3;
 
-/// TermWeights of the energy's constant terms.
+/// Elements a task takes at least.
+const GRAIN: usize = 4096;
+
+/// Weights of the energy's terms.
 #[derive(Debug, Clone, Copy)]
 pub struct TermWeights {
     /// `w_S`
@@ -31,14 +40,17 @@ pub struct TermWeights {
     pub identity: f64,
 }
 
-/// The normal equations of `E` with the fixed vertices eliminated; of the closest-point term only
-/// the weights, which change from step to step and touch nothing but the diagonal.
-pub struct Energy {
-    vertices: usize,
-    /// Place of each vertex among the unknowns; `None` where it is fixed. Fourth vertices follow.
+/// The energy of a mesh, some of whose vertices are fixed. Its unknowns are listed as a vector for every vertex, the
+/// fixed ones included, then one for every triangle.
+pub struct Energy<'a> {
+    mesh: &'a Mesh,
+    size: f64,
+    weights: TermWeights,
+    elements: Vec<Element>,
+    neighbours: Rows<u32>,
+    /// Place of each unknown among those that are free; `None` where it is fixed.
     slot: Vec<Option<u32>>,
     matrix: SymmetricMatrix,
-    rhs: Vec<Vec3>,
     symbolic: Symbolic,
 }
 
@@ -61,37 +73,39 @@ fn elements(mesh: &Mesh, size: f64) -> Vec<Element> {
         .collect()
 }
 
-impl Energy {
+impl<'a> Energy<'a> {
     /// Assembles the energy of `mesh`, whose rest positions are `mesh.rest()` times `size`.
-    ///
-    /// `fixed` holds the position of every vertex that is given.
     ///
     /// # Errors
     ///
     /// [`crate::Error::SolveFailed`] where the system is too large to order.
-    pub fn new(mesh: &Mesh, size: f64, weights: TermWeights, fixed: &[Option<Vec3>]) -> Result<Self> {
+    pub fn new(
+        mesh: &'a Mesh,
+        size: f64,
+        weights: TermWeights,
+        is_fixed: impl Fn(usize) -> bool,
+    ) -> Result<Self> {
         let (n, m) = (mesh.vertices().len(), mesh.triangles().len());
         let mut slot = vec![None; n + m];
-        let free = (0..n + m).filter(|&u| u >= n || fixed[u].is_none());
+        let free = (0..n + m).filter(|&u| u >= n || !is_fixed(u));
         let unknowns = (0u32..).zip(free).fold(0, |_, (place, u)| {
             slot[u] = Some(place);
             place + 1
         });
-        let mut rhs = vec![Vec3::ZERO; unknowns as usize];
         // The diagonal is listed in full, for the weights to come.
         let mut entries: Vec<(u32, u32, f64)> = (0..unknowns).map(|u| (u, u, 0.0)).collect();
-        let mut add = |a: u32, b: u32, value: f64| match (slot[a as usize], slot[b as usize]) {
-            (Some(i), Some(j)) => entries.push((i, j, value)),
-            (Some(i), None) => rhs[i as usize] -= fixed[b as usize].unwrap_or_default() * value,
-            (None, Some(j)) => rhs[j as usize] -= fixed[a as usize].unwrap_or_default() * value,
-            (None, None) => {}
+        let mut add = |a: u32, b: u32, value: f64| {
+            if let (Some(i), Some(j)) = (slot[a as usize], slot[b as usize]) {
+                entries.push((i, j, value));
+            }
         };
 
         let elements = elements(mesh, size);
+        let pairs: Vec<[u32; 2]> = mesh.adjacency().triangle_pairs().collect();
         // Each pair of neighbours is summed from either side.
         let smoothness = 2.0 * weights.smoothness;
         let mut own = vec![weights.identity; m];
-        for [i, j] in mesh.adjacency().triangle_pairs() {
+        for &[i, j] in &pairs {
             own[i as usize] += smoothness;
             own[j as usize] += smoothness;
             for (a, row) in elements[i as usize] {
@@ -109,17 +123,24 @@ impl Energy {
                 }
             }
         }
-        for &(a, row) in elements.iter().flatten() {
-            if let Some(i) = slot[a as usize] {
-                rhs[i as usize] += row * weights.identity;
-            }
-        }
         let matrix = SymmetricMatrix::from_entries(unknowns as usize, entries);
         let symbolic = Symbolic::analyse(&matrix)?;
-        Ok(Self { vertices: n, slot, matrix, rhs, symbolic })
+        let neighbours = Rows::sort(m, pairs.iter().flat_map(|&[i, j]| [(i, j), (j, i)]));
+        Ok(Self { mesh, size, weights, elements, neighbours, slot, matrix, symbolic })
     }
 
-    /// Factors the normal matrix with closest-point weights `pull`, one per vertex.
+    /// The unknowns of the mesh at rest.
+    pub fn rest(&self) -> Vec<Vec3> {
+        let positions = self.mesh.rest().iter().map(|&p| p * self.size);
+        positions.chain(self.mesh.normals().iter().copied()).collect()
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &'a Mesh {
+        self.mesh
+    }
+
+    /// Factors the normal matrix with `pull`, one for every vertex, added to its diagonal.
     ///
     /// # Errors
     ///
@@ -134,22 +155,51 @@ impl Energy {
         self.symbolic.factor(&matrix)
     }
 
-    /// The positions of least energy, for closest points `points` pulled with the weights that
-    /// `factor` was made with. Fixed positions in `x` stay as they are.
-    pub fn minimise(&self, factor: &Factor, pull: &[f64], points: &[Vec3], x: &mut [Vec3]) {
-        let mut sets = [self.rhs.clone()];
-        for v in 0..self.vertices {
-            if let Some(row) = self.slot[v] {
-                sets[0][row as usize] += points[v] * pull[v];
-            }
-        }
+    /// `Q_i` less `identity` times the identity.
+    fn changes(&self, u: &[Vec3], identity: f64) -> Vec<Mat3> {
+        let change = |element: &Element| {
+            let sum: Mat3 = element.iter().map(|&(a, row)| outer(u[a as usize], row)).sum();
+            sum - Mat3::IDENTITY * identity
+        };
+        self.elements.par_iter().with_min_len(GRAIN).map(change).collect()
+    }
+
+    /// Half the gradient of `E` at `u`; by fixed unknowns too.
+    pub fn gradient(&self, u: &[Vec3]) -> Vec<Vec3> {
+        self.transposed(&self.changes(u, 1.0))
+    }
+
+    /// Half the Hessian of `E` times `d`.
+    pub fn curvature(&self, d: &[Vec3]) -> Vec<Vec3> {
+        self.transposed(&self.changes(d, 0.0))
+    }
+
+    fn transposed(&self, changes: &[Mat3]) -> Vec<Vec3> {
+        let TermWeights { smoothness, identity } = self.weights;
+        let of = |(i, &own): (usize, &Mat3)| {
+            let around: Mat3 = self.neighbours.of(i).iter().map(|&j| own - changes[j as usize]).sum();
+            own * identity + around * (2.0 * smoothness)
+        };
+        let weighted: Vec<Mat3> = changes.par_iter().enumerate().with_min_len(GRAIN).map(of).collect();
+        let at_vertex = |v: usize| {
+            let corners = self.mesh.adjacency().corners_of(v).iter();
+            let at = |triangle: u32, k: u8| {
+                weighted[triangle as usize] * self.elements[triangle as usize][k as usize].1
+            };
+            corners.map(|c| at(c.triangle, c.corner)).sum::<Vec3>()
+        };
+        let at_triangle = |(t, matrix): (usize, &Mat3)| *matrix * self.elements[t][3].1;
+        let vertices = (0..self.mesh.vertices().len()).into_par_iter().with_min_len(GRAIN).map(at_vertex);
+        vertices.chain(weighted.par_iter().enumerate().with_min_len(GRAIN).map(at_triangle)).collect()
+    }
+
+    /// The solution of the factored matrix for the right-hand side `r`; zero for fixed unknowns.
+    pub fn solve(&self, factor: &Factor, r: &[Vec3]) -> Vec<Vec3> {
+        let free = self.slot.iter().zip(r).filter(|(slot, _)| slot.is_some()).map(|(_, &r)| r);
+        let mut sets = [free.collect::<Vec<_>>()];
         factor.solve(&mut sets);
         let [solved] = sets;
-        for (position, slot) in x.iter_mut().zip(&self.slot) {
-            if let Some(row) = slot {
-                *position = solved[*row as usize];
-            }
-        }
+        self.slot.iter().map(|slot| slot.map_or(Vec3::ZERO, |row| solved[row as usize])).collect()
     }
 }
 
@@ -194,11 +244,23 @@ mod tests {
         let pull: Vec<f64> = (0..n).map(|v| 0.1 * (v % 3) as f64).collect();
         let points: Vec<Vec3> = mesh.rest().iter().map(|&v| v * 2.0 + Vec3::new(0.0, 0.1, v.x)).collect();
 
-        let energy = Energy::new(&mesh, size, weights, &fixed).unwrap();
-        let mut x = vec![Vec3::ZERO; n];
+        let energy = Energy::new(&mesh, size, weights, |v| fixed[v].is_some()).unwrap();
+        let mut x = energy.rest();
         x[0] = fixed[0].unwrap();
         x[7] = fixed[7].unwrap();
-        energy.minimise(&energy.factor(&pull).unwrap(), &pull, &points, &mut x);
+        let mut residual = energy.gradient(&x);
+        for v in 0..n {
+            residual[v] += (x[v] - points[v]) * pull[v];
+        }
+        let step = energy.solve(&energy.factor(&pull).unwrap(), &residual);
+        // Its Hessian takes the step to the gradient.
+        let mut image = energy.curvature(&step);
+        image.iter_mut().zip(&step).zip(&pull).for_each(|((image, &step), pull)| *image += step * *pull);
+        let free = |u: &usize| *u >= n || fixed[*u].is_none();
+        for u in (0..n + m).filter(free) {
+            assert!((image[u] - residual[u]).length() < 1e-9, "unknown {u}");
+        }
+        x.iter_mut().zip(step).for_each(|(x, step)| *x -= step);
 
         // Least squares A u = b, one row per equation, each weighted by the root of its weight.
         let rows: Vec<[Vec<f64>; 3]> = (0..m).map(|t| gradient_rows(&mesh, size, t)).collect();

@@ -1,0 +1,347 @@
+//! Fit: pull the source onto the target, then read off which triangles belong together.
+
+use std::time::Instant;
+
+use super::diagnosis::{Fit, FitReport, conclude};
+use super::doubtful::doubtful;
+use super::lie::Lie;
+use super::markers::{self, Marker};
+use super::options::FitOptions;
+use super::registration::register;
+use super::side::{Placed, Side};
+use crate::options::OptionSet;
+use crate::transfer::alignment;
+use crate::transfer::correspondence::Correspondence;
+use crate::transfer::image::SurfacePoint;
+use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
+
+/// Without markers, the meshes lie on each other less surely than this by chance, and are refused; ...
+const GUESSED: f64 = 0.1;
+
+/// ... less surely than this, it is said.
+const UNSURE: f64 = 0.5;
+
+/// A marker that was left out and is met within so many tolerances was right: those beside it are not.
+const MET: f64 = 2.0;
+
+/// Fits `source` to `target` by `markers`, pairs of a source vertex and a target vertex; by `None` it finds out itself
+/// how the two lie on each other ([`crate::transfer::alignment`]).
+///
+/// Meshes of the same triangles need no marker: without any, each vertex belongs to its own like. Components
+/// of the source without a marker are carried along with the marked ones beside them
+/// before the closest points take over.
+///
+/// # Errors
+///
+/// [`Error::InvalidConstraint`] for markers that cannot be used (an empty list, out of range, marked twice), and for
+/// `None` where the meshes have too little in common; [`Error::InvalidValue`] for options out of range,
+/// [`Error::SolveFailed`], [`Error::Cancelled`].
+pub fn fit_correspondence(
+    source: &Mesh,
+    target: &Mesh,
+    markers: Option<&[[u32; 2]]>,
+    options: &FitOptions,
+    job: &Job,
+) -> Result<Fit> {
+    let start = Instant::now();
+    let doubts = |name: &str, mesh: &Mesh| -> Vec<String> {
+        mesh.warnings().iter().map(|warning| format!("{name}: {warning}")).collect()
+    };
+    let mut warnings = [doubts("source", source), doubts("target", target)].concat();
+    options.check()?;
+    let pairs: Vec<[u32; 2]> = (markers.into_iter().flatten())
+        .map(|&[s, t]| [source.representative(s), target.representative(t)])
+        .collect();
+    if pairs.is_empty()
+        && source.triangles() == target.triangles()
+        && source.rest().len() == target.rest().len()
+    {
+        job.check()?;
+        return Ok(same(source, target, warnings));
+    }
+    let unit = |mesh: &Mesh, points: &[Vec3]| -> Vec<Vec3> {
+        points.iter().map(|&p| mesh.frame().to_unit(p)).collect()
+    };
+    let points = [unit(source, &options.source_points), unit(target, &options.points)];
+    let source_side = Side::new(source, "source_mask", &options.source_mask)?;
+    let target_side = Side::new(target, "target_mask", &options.target_mask)?;
+    let onto = Placed::new(&target_side, target.rest());
+    job.report(0.0, "fit");
+    job.check()?;
+
+    let (found, doubts, lie) = match markers {
+        Some(_) => {
+            let points = points.each_ref().map(Vec::as_slice);
+            let found = markers::check(source, target, &pairs, points, &mut warnings)?;
+            let doubts = doubtful(&found, options.marker_tolerance);
+            let trusted: Vec<Marker> = match options.marker_tolerance {
+                0.0 => found.clone(),
+                _ => without(&found, &doubts.markers),
+            };
+            let lie = Lie::of(trusted, doubts.scatter);
+            (found, doubts.markers, lie)
+        }
+        None => (Vec::new(), Vec::new(), without_markers(&source_side, &target_side, &mut warnings, job)?),
+    };
+    let turned = lie.turn.map(|turn| source.turned(turn));
+    let source_side = match &turned {
+        Some(turned) => source_side.of(turned),
+        None => source_side,
+    };
+    let (x, rounds) = register(&source_side, &onto, &lie, options, job)?;
+    job.report(0.9, "match");
+    let off: Vec<f64> = found.iter().map(|m| m.place(&x).distance(m.goal)).collect();
+    let tolerance = options.marker_tolerance;
+    let wrong = |d: &&(usize, f64)| tolerance == 0.0 || off[d.0] > MET * tolerance;
+    let wrong: Vec<(usize, f64)> = doubts.iter().filter(wrong).copied().collect();
+    warnings.extend(wrong.iter().map(|&(i, by)| {
+        let what = if tolerance == 0.0 { "kept, since the tolerance is 0" } else { "left out" };
+        let (vertex, percent) = (markers.map_or(0, |markers| markers[i][0]), 100.0 * by);
+        format!(
+            "markers: number {i} (source vertex {vertex}) is {percent:.1} % of the target's diagonal away from where \
+             the others put it; {what}: look whether it is out of place or swapped"
+        )
+    }));
+    let report = FitReport { rounds, warnings, certainty: lie.certainty, ..FitReport::default() };
+    let mut fit = conclude(&Placed::new(&source_side, &x), &onto, options.match_distance, report, job)?;
+    fit.matches.turn = lie.turn.unwrap_or(Mat3::IDENTITY);
+    fit.marker_distances = off.iter().map(|off| off * target.frame().scale).collect();
+    fit.doubtful_markers = wrong.iter().map(|&(i, _)| i as u32).collect();
+    fit.report.seconds = start.elapsed().as_secs_f64();
+    job.report(1.0, "match");
+    Ok(fit)
+}
+
+fn without(markers: &[Marker], doubts: &[(usize, f64)]) -> Vec<Marker> {
+    let kept = |(i, marker): (usize, &Marker)| doubts.iter().all(|d| d.0 != i).then_some(*marker);
+    markers.iter().enumerate().filter_map(kept).collect()
+}
+
+/// How the meshes lie on each other by their shapes alone.
+fn without_markers(source: &Side, target: &Side, warnings: &mut Vec<String>, job: &Job) -> Result<Lie> {
+    let found =
+        alignment::align(source.mesh, target.mesh, &source.masked_vertex, &target.masked_vertex, job)?;
+    if found.certainty < GUESSED {
+        let problem = "none given, and the meshes have too little in common to lie on each other without: mark at \
+                       least three pairs of vertices";
+        return Err(Error::InvalidConstraint(Fault::new("markers", problem)));
+    }
+    if found.certainty < UNSURE {
+        warnings.push(format!(
+            "markers: none given, and how the meshes lie on each other is {:.0} % sure only: look at the fit, or mark \
+             three pairs of vertices",
+            100.0 * found.certainty
+        ));
+    }
+    Ok(Lie::by(&found, source.mesh))
+}
+
+/// The fit of a mesh onto one of the same vertices and triangles: each belongs to its own like.
+fn same(source: &Mesh, target: &Mesh, warnings: Vec<String>) -> Fit {
+    let ids = |(&s, &t): (&u32, &u32)| [s, t];
+    let pairs = source.triangle_ids().iter().zip(target.triangle_ids()).map(ids).collect();
+    let corners = |mesh: &Mesh| {
+        let mut images = vec![None; mesh.vertices().len()];
+        for (t, &triangle) in mesh.triangles().iter().zip(mesh.triangle_ids()) {
+            for (corner, &v) in t.iter().enumerate() {
+                images[v as usize] = Some(SurfacePoint { triangle, weights: Vec3::AXES[corner] });
+            }
+        }
+        mesh.follow(&mut images);
+        images
+    };
+    let (images, back_images) = (corners(source), corners(target));
+    let n = images.len();
+    Fit {
+        matches: Correspondence { pairs, images, back_images, turn: Mat3::IDENTITY },
+        fitted_vertices: target.vertices().to_vec(),
+        distances: vec![0.0; n],
+        image_distances: vec![0.0; n],
+        stretch: vec![1.0; source.input_triangles()],
+        flipped: Vec::new(),
+        marker_distances: Vec::new(),
+        doubtful_markers: Vec::new(),
+        report: FitReport { warnings, ..FitReport::default() },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::transfer::testing::{bumpy_grid, grid, nosed_sphere};
+
+    fn fit(source: &Mesh, target: &Mesh, markers: &[[u32; 2]]) -> Result<Fit> {
+        fit_correspondence(source, target, Some(markers), &FitOptions::default(), &Job::default())
+    }
+
+    fn sphere(rings: usize, around: usize) -> Mesh {
+        let (vertices, triangles) = nosed_sphere(rings, around);
+        Mesh::new(vertices, triangles).unwrap()
+    }
+
+    /// The vertices of `target` that are nearest to a few well spread ones of `source`.
+    fn spread_markers(source: &Mesh, target: &Mesh, step: usize) -> Vec<[u32; 2]> {
+        let nearest = |p: Vec3| {
+            let distance = |v: &usize| target.vertices()[*v].distance(p);
+            (0..target.vertices().len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap() as u32
+        };
+        let mut markers: Vec<[u32; 2]> = (0..source.vertices().len())
+            .step_by(step)
+            .map(|v| [v as u32, nearest(source.vertices()[v])])
+            .collect();
+        markers.sort_unstable_by_key(|m| m[1]);
+        markers.dedup_by_key(|m| m[1]);
+        markers
+    }
+
+    #[test]
+    fn a_mesh_fits_itself_exactly() {
+        let mesh = bumpy_grid(12);
+        let fit = fit(&mesh, &mesh, &[[0, 0], [11, 11], [132, 132], [70, 70]]).unwrap();
+        for (a, b) in fit.fitted_vertices.iter().zip(mesh.vertices()) {
+            assert!((*a - *b).length() < 1e-8);
+        }
+        let same: Vec<[u32; 2]> = (0..mesh.triangles().len() as u32).map(|t| [t, t]).collect();
+        assert_eq!(fit.matches.pairs, same);
+        assert!(fit.report.distance_max < 1e-8 && fit.report.warnings.is_empty());
+    }
+
+    #[test]
+    fn a_coarse_surface_is_pulled_onto_a_fine_one_of_another_size_and_place() {
+        let source = sphere(12, 20);
+        let (vertices, triangles) = nosed_sphere(23, 31);
+        let markers = spread_markers(&source, &Mesh::new(vertices.clone(), triangles.clone()).unwrap(), 19);
+        let moved = |v: &Vec3| *v * 7.0 + Vec3::new(100.0, -40.0, 3.0);
+        let target = Mesh::new(vertices.iter().map(moved).collect(), triangles).unwrap();
+        let exact = FitOptions { marker_tolerance: 0.0, ..FitOptions::default() };
+        for options in [FitOptions::default(), exact] {
+            let fit =
+                fit_correspondence(&source, &target, Some(&markers), &options, &Job::default()).unwrap();
+            assert!(fit.report.distance_max_percent < 0.5, "{:?}", fit.report);
+            assert_eq!(fit.report.unmatched_target_triangles, 0);
+            assert_eq!(fit.report.flipped_triangles, 0);
+            let within = options.marker_tolerance.max(1e-12) * target.frame().scale;
+            for (i, &[s, t]) in markers.iter().enumerate() {
+                let gap = fit.fitted_vertices[s as usize].distance(target.vertices()[t as usize]);
+                assert!(gap < within && (gap - fit.marker_distances[i]).abs() < 1e-12 * target.frame().scale);
+            }
+        }
+    }
+
+    /// Points of a sphere with a nose, of the same place as others of it, off by `amount`.
+    fn off_by(amount: f64, of: &Mesh, step: usize) -> (Vec<[u32; 2]>, Vec<Vec3>) {
+        let chosen = (0..of.vertices().len()).step_by(step);
+        let points = chosen
+            .clone()
+            .map(|v| of.vertices()[v] + Vec3::new((7 * v) as f64, v as f64, 1.0).sin() * amount);
+        (chosen.clone().map(|v| [v as u32, 0]).collect(), points.collect())
+    }
+
+    #[test]
+    fn a_marker_that_disagrees_with_those_around_it_is_named_and_left_out() {
+        let mesh = sphere(20, 30);
+        let (markers, points) = off_by(0.01, &mesh, 13);
+        for wrong in [3, 20, 40] {
+            let mut points = points.clone();
+            points[wrong] += Vec3::new(0.1, -0.15, 0.1);
+            let options = FitOptions { points, ..FitOptions::default() };
+            let fit = fit_correspondence(&mesh, &mesh, Some(&markers), &options, &Job::default()).unwrap();
+            assert_eq!(fit.doubtful_markers, [wrong as u32]);
+            let named = format!("number {wrong} (source vertex {})", markers[wrong][0]);
+            assert!(fit.report.warnings.iter().any(|w| w.contains(&named)), "{:?}", fit.report.warnings);
+            let off = fit.fitted_vertices.iter().zip(mesh.vertices()).map(|(a, b)| a.distance(*b));
+            assert!(off.fold(0.0, f64::max) < 0.02, "the fit does not follow it");
+        }
+    }
+
+    #[test]
+    fn source_points_mark_what_no_vertex_is_at() {
+        let (source, target) = (sphere(12, 20), sphere(23, 31));
+        let triangles: Vec<[u32; 3]> = source.triangles().iter().copied().step_by(17).collect();
+        let centre = |t: &[u32; 3]| t.iter().map(|&v| source.vertices()[v as usize]).sum::<Vec3>() / 3.0;
+        let at: Vec<Vec3> = triangles.iter().map(centre).collect();
+        let markers: Vec<[u32; 2]> = triangles.iter().map(|t| [t[0], 0]).collect();
+        let options = FitOptions {
+            points: at.clone(),
+            source_points: at.clone(),
+            marker_tolerance: 0.0,
+            ..FitOptions::default()
+        };
+        let fit = fit_correspondence(&source, &target, Some(&markers), &options, &Job::default()).unwrap();
+        for ((triangle, at), off) in triangles.iter().zip(&at).zip(&fit.marker_distances) {
+            let place = triangle.iter().map(|&v| fit.fitted_vertices[v as usize]).sum::<Vec3>() / 3.0;
+            assert!(place.distance(*at) < 1e-3 && (place.distance(*at) - off).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_turned_target_is_fitted_as_one_that_is_not() {
+        let (source, upright) = (sphere(12, 20), sphere(23, 31));
+        let markers = spread_markers(&source, &upright, 19);
+        let turn = crate::rotation::exp(Vec3::new(0.7, -0.4, 1.1));
+        let turned: Vec<Vec3> = upright.vertices().iter().map(|&v| turn * v).collect();
+        let target = Mesh::new(turned, upright.triangles().to_vec()).unwrap();
+        let [a, b] = [&upright, &target].map(|target| fit(&source, target, &markers).unwrap());
+        assert!(a.matches.turn == crate::Mat3::IDENTITY);
+        assert!(
+            (b.matches.turn * turn.transpose() - crate::Mat3::IDENTITY)
+                .to_cols_array()
+                .iter()
+                .all(|v| v.abs() < 0.05)
+        );
+        for (a, b) in a.fitted_vertices.iter().zip(&b.fitted_vertices) {
+            assert!((turn * *a).distance(*b) < 0.01 * target.frame().scale);
+        }
+    }
+
+    #[test]
+    fn row_29_swapped_sides_are_told_with_the_count() {
+        let (source, target) = (sphere(12, 20), sphere(14, 24));
+        let mut markers = spread_markers(&source, &target, 19);
+        // Mirror in y: left and right change places.
+        let mirrored = |v: u32| {
+            let p = target.vertices()[v as usize] * Vec3::new(1.0, -1.0, 1.0);
+            let distance = |v: &u32| target.vertices()[*v as usize].distance(p);
+            (0..target.vertices().len() as u32).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()
+        };
+        for marker in &mut markers {
+            marker[1] = mirrored(marker[1]);
+        }
+        let report = fit(&source, &target, &markers).unwrap().report;
+        assert!(report.flipped_triangles > 0);
+        let told = format!("{} of {} fitted triangles", report.flipped_triangles, source.triangles().len());
+        assert!(report.warnings.iter().any(|w| w.contains(&told)), "{:?}", report.warnings);
+    }
+
+    #[test]
+    fn loose_parts_without_markers_are_carried_along() {
+        // A ball beside the grid, in both meshes; only the grid is marked.
+        let part = |n: usize, around: usize, map: &dyn Fn(Vec3) -> Vec3| {
+            let (mut vertices, mut triangles) = grid(n);
+            let (ball, faces) = nosed_sphere(6, around);
+            let first = vertices.len() as u32;
+            vertices.extend(ball.iter().map(|&p| p * 0.1 + Vec3::new(0.5, 0.5, 0.4)));
+            triangles.extend(faces.iter().map(|t| t.map(|v| v + first)));
+            Mesh::new(vertices.into_iter().map(map).collect(), triangles).unwrap()
+        };
+        let map = |p: Vec3| Vec3::new(1.1 * p.x, 0.9 * p.y, p.z) * 30.0 + Vec3::splat(5.0);
+        let (source, target) = (part(9, 8, &|p| p), part(17, 11, &map));
+        let markers = [[0, 0], [8, 16], [40, 144], [72, 272], [80, 288]];
+        let fit = fit(&source, &target, &markers).unwrap();
+        let (first, faces) = (81, 2 * 8 * 8);
+        for v in first..source.vertices().len() {
+            let gap = fit.fitted_vertices[v].distance(map(source.vertices()[v]));
+            assert!(gap < 0.02 * target.frame().scale, "vertex {v} is off by {gap}");
+        }
+        let across = fit.matches.pairs.iter().filter(|p| (p[0] < faces) != (p[1] < 2 * 16 * 16)).count();
+        assert_eq!(across, 0, "no pair joins the ball to the grid");
+    }
+
+    #[test]
+    fn row_40_a_cancelled_job_stops() {
+        let (mesh, job) = (bumpy_grid(5), Job::default());
+        job.cancel();
+        let outcome = fit_correspondence(&mesh, &mesh, Some(&[[0, 0]]), &FitOptions::default(), &job);
+        assert!(matches!(outcome, Err(Error::Cancelled)));
+    }
+}

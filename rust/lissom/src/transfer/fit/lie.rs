@@ -1,0 +1,52 @@
+//! How the source lies on the target before anything bends, by markers or by the shapes alone.
+
+use super::markers::{self, Marker};
+use crate::geometry::rigid::{self, Alignment};
+use crate::transfer::alignment::Found;
+use crate::{Mat3, Mesh, Vec3, rotation};
+
+/// Turns below are within what heads of the same bearing, marked by hand or laid on each other, seem to be turned by.
+const WORTH_DEGREES: f64 = 5.0;
+
+/// A similarity, and the markers that it comes from.
+pub struct Lie {
+    /// Those to follow.
+    pub markers: Vec<Marker>,
+    /// How far they are off, in the target's unit coordinates.
+    pub scatter: f64,
+    /// The rotation of the source to the target, where it is determined and worth taking out.
+    pub turn: Option<Mat3>,
+    /// From the source's unit coordinates to the target's.
+    pub size: f64,
+    /// What is to be added to the source, once turned and scaled.
+    pub shift: Vec3,
+    /// 0-1; 1 by markers.
+    pub certainty: f64,
+}
+
+impl Lie {
+    /// By markers.
+    pub fn of(markers: Vec<Marker>, scatter: f64) -> Self {
+        let alignment = Alignment::of(markers.iter().map(|m| (m.rest, m.goal)));
+        let determined = markers.len() >= 3 && alignment.is_determined();
+        let turn = Some(alignment.rotation()).filter(|&turn| determined && is_worth(turn));
+        let size = markers::size_ratio(&markers);
+        let (from, to) = alignment.centroids();
+        let shift = to - turn.unwrap_or(Mat3::IDENTITY) * from * size;
+        Self { markers, scatter, turn, size, shift, certainty: 1.0 }
+    }
+
+    /// By the shapes of `source` and target.
+    pub fn by(found: &Found, source: &Mesh) -> Self {
+        let turn = Some(found.rotation).filter(|&turn| is_worth(turn));
+        let centre = rigid::centroid(source.rest().iter().copied());
+        let turned = turn.unwrap_or(Mat3::IDENTITY) * centre;
+        let shift = found.similarity.apply(centre) - turned * found.scale;
+        let (size, certainty) = (found.scale, found.certainty);
+        Self { markers: Vec::new(), scatter: 0.0, turn, size, shift, certainty }
+    }
+}
+
+fn is_worth(turn: Mat3) -> bool {
+    rotation::log(turn).length().to_degrees() > WORTH_DEGREES
+}

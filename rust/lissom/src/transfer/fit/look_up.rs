@@ -1,0 +1,144 @@
+//! Look-up: what of the two surfaces is closest to each other, and how much that counts.
+//!
+//! A vertex is pulled to the tangent plane of its closest compatible point, and the place of the source that a
+//! target vertex has closest to it likewise, so that thin rims meet from both sides. What has no counterpart must
+//! pull nothing: a pull fades with its distance `d` by `1 / (1 + (d / s)^2)` (Cauchy's weights), ends at a reach
+//! that shrinks from step to step, and does not count where the closest point is on a border, beyond which the
+//! other mesh just ends. Where another part of the source is nearer to that point, as the lips are to what the bag
+//! behind them would be drawn to, that part has it: a pull counts by the square of how much nearer it is.
+
+use rayon::prelude::*;
+
+use super::component_pairs::{ComponentPairs, Overlap};
+use super::pulls::Pull;
+use super::side::{Placed, Side};
+use crate::geometry::surface::Hit;
+use crate::geometry::triangle::vertex_normals;
+use crate::operators::mass::lumped_mass;
+use crate::{Job, Result, Vec3};
+
+/// Points looked up between two looks at the job.
+const BATCH: usize = 4096;
+
+/// `s`, a fraction of the reach.
+const FADING: f64 = 0.25;
+
+/// Weight across the normal, a fraction of that along it: enough to settle what else could slide for ever.
+const ACROSS: f64 = 0.02;
+
+/// Distances that make no difference between what is nearer, in unit coordinates.
+const NEAR: f64 = 0.002;
+
+/// Where the pulls come from.
+pub struct LookUp<'a> {
+    source: &'a Side<'a>,
+    target: &'a Placed<'a>,
+    partners: ComponentPairs,
+    /// How much further away a partner may be than the nearest surface.
+    detour: f64,
+}
+
+impl<'a> LookUp<'a> {
+    /// Between `source`, wherever it is, and `target`.
+    pub fn new(source: &'a Side<'a>, target: &'a Placed<'a>, detour: f64) -> Self {
+        let counts = [source, target.side].map(|side| side.mesh.components().count());
+        Self { source, target, partners: ComponentPairs::none(counts), detour }
+    }
+
+    /// Finds out which components belong together, from the vertices at `x`, and returns how far these are from
+    /// the target at the lower quartile: half of the source may have no counterpart.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Error::Cancelled`].
+    pub fn find_partners(&mut self, x: &[Vec3], job: &Job) -> Result<f64> {
+        let components = self.source.mesh.components();
+        let normals = vertex_normals(self.source.mesh.triangles(), x);
+        let found = in_batches(x.len(), job, |v| {
+            let open = components.of_vertex(v).filter(|_| !self.source.masked_vertex[v])?;
+            Some((v, open, self.target.closest(x[v], normals[v], f64::INFINITY, None, 0.0)?))
+        })?;
+        let counts = [components.count(), self.target.side.mesh.components().count()];
+        if counts != [1, 1] {
+            let mass = lumped_mass(self.source.mesh);
+            let mut overlap = Overlap::new(counts);
+            for (v, component, hit) in found.iter().flatten() {
+                overlap.add(*component as u32, self.target.side.component[hit.triangle], mass[*v]);
+            }
+            self.partners = overlap.partners();
+        }
+        let mut distances: Vec<f64> = found.iter().flatten().map(|(_, _, hit)| hit.distance).collect();
+        distances.sort_unstable_by(f64::total_cmp);
+        Ok(distances.get(distances.len() / 4).copied().unwrap_or(0.0))
+    }
+
+    /// The pulls of the source's vertices, by at most `weight` and within `reach`.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Error::Cancelled`].
+    pub fn forth(&self, source: &Placed, weight: f64, reach: f64, job: &Job) -> Result<Vec<Pull>> {
+        let (target, x, normals) = (self.target, source.positions, &source.normals);
+        let pull = |v: usize| {
+            let component = self.source.mesh.components().of_vertex(v)?;
+            if self.source.masked_vertex[v] {
+                return None;
+            }
+            let partner = self.partners.of_source[component];
+            let hit = target.closest(x[v], normals[v], reach, partner, self.detour)?;
+            let weights = target.surface.weights(hit.triangle, hit.point);
+            let normal = target.normal(hit.triangle, weights);
+            if target.side.is_on_border(hit.triangle, weights) {
+                return None;
+            }
+            let taken = source.closest(hit.point, normal, hit.distance, None, 0.0)?.distance;
+            let share = ((taken + NEAR) / (hit.distance + NEAR)).min(1.0).powi(2);
+            let along = share * fading(&hit, weight, reach);
+            Some(plane([v as u32; 3], Vec3::X, hit.point, normal, along))
+        };
+        Ok(in_batches(x.len(), job, pull)?.into_iter().flatten().collect())
+    }
+
+    /// The pulls by the target's vertices, in all at most as many as the source's.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Error::Cancelled`].
+    pub fn back(&self, source: &Placed, weight: f64, reach: f64, job: &Job) -> Result<Vec<Pull>> {
+        let (target, mesh) = (self.target.side, self.target.side.mesh);
+        let n = mesh.vertices().len();
+        let weight = weight * (source.positions.len() as f64 / n as f64).min(1.0);
+        let pull = |v: usize| {
+            let component = mesh.components().of_vertex(v)?;
+            if target.masked_vertex[v] || target.is_border(v) {
+                return None;
+            }
+            let (point, normal) = (self.target.positions[v], self.target.normals[v].normalize_or_zero());
+            let hit =
+                source.closest(point, normal, reach, self.partners.of_target[component], self.detour)?;
+            let weights = source.surface.weights(hit.triangle, hit.point);
+            let corners = self.source.mesh.triangles()[hit.triangle];
+            let counts = !self.source.is_on_border(hit.triangle, weights);
+            counts.then(|| plane(corners, weights, point, normal, fading(&hit, weight, reach)))
+        };
+        Ok(in_batches(n, job, pull)?.into_iter().flatten().collect())
+    }
+}
+
+fn fading(hit: &Hit, weight: f64, reach: f64) -> f64 {
+    weight / (1.0 + (hit.distance / (FADING * reach)).powi(2))
+}
+
+fn plane(corners: [u32; 3], weights: Vec3, goal: Vec3, normal: Vec3, along: f64) -> Pull {
+    Pull { corners, weights, goal, normal, along, across: along * ACROSS }
+}
+
+/// `of(0), of(1), ...`, with a look at the job now and then.
+fn in_batches<T: Send>(count: usize, job: &Job, of: impl Fn(usize) -> T + Sync) -> Result<Vec<T>> {
+    let mut all = Vec::with_capacity(count);
+    for start in (0..count).step_by(BATCH) {
+        job.check()?;
+        all.par_extend((start..count.min(start + BATCH)).into_par_iter().map(&of));
+    }
+    Ok(all)
+}

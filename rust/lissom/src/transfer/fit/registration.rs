@@ -1,0 +1,172 @@
+//! Registration: the source pulled onto the target, as smoothly as it goes, by markers and by the surfaces.
+//!
+//! ```text
+//!     E_S(x) + E_I(x)  +  w_M sum_m mu_m |x_m - c_m|^2  +  w_C E_P(x)
+//! ```
+//!
+//! ([`super::energy`], [`super::pulls`]). At first `w_C = 0` and the markers are all but exact. Then `w_C` rises from 1
+//! to [`FitOptions::closest`] while `w_M` falls: markers say what belongs together, but the hand that placed them is
+//! less exact than the surface (Sumner & Popović 2004 keep them exact, and [`FitOptions::marker_tolerance`] 0 does). In
+//! the end a marker counts by how near the fit has come to it, `mu = (1 + (|x - c| / s)^2)^-2` with a fraction `s`
+//! of the tolerance (Geman & McClure 1987): one that is exact holds, one that is off lets go.
+//!
+//! The weights are for a target of diagonal 10, whatever the units of the meshes.
+
+use rayon::prelude::*;
+
+use super::descent::Descent;
+use super::energy::{Energy, TermWeights};
+use super::lie::Lie;
+use super::look_up::LookUp;
+use super::markers::Marker;
+use super::options::FitOptions;
+use super::pulls::{self, Pull};
+use super::side::{Placed, Side};
+use crate::geometry::rigid::Alignment;
+use crate::geometry::surface::Surface;
+use crate::{Job, Mesh, Result, Vec3};
+
+/// The target's diagonal squared in the units that the weights are meant for; here it is 1.
+const DIAGONAL_SQUARED: f64 = 100.0;
+
+/// `w_M` while `w_C = 0`; ...
+const MARKED: f64 = 1e4;
+
+/// ... what it falls from, to 0 by the last step but one, with a square; ...
+const FALLING: f64 = 1e3;
+
+/// ... and in the end, times `mu`.
+const KEPT: f64 = 2e3;
+
+/// `s`, in tolerances.
+const KEPT_WITHIN: f64 = 0.15;
+
+/// The markers' weight where they are exact but not at vertices.
+const EXACT: f64 = 1e6;
+
+/// Solves for markers alone: at vertices one is exact, points of triangles take more.
+const SOLVES: usize = 8;
+
+/// Reach of the closest points, as fractions of the target's diagonal: at the first step and at the last ...
+const REACH: [f64; 2] = [0.1, 0.02];
+
+/// ... but not below so many times what a quarter of the vertices is off by at most.
+const QUARTILES: f64 = 4.0;
+
+/// From this fraction of the steps on, closest points are looked up from both sides.
+const BOTH_SIDES: f64 = 0.7;
+
+/// The mean of a plane's weights over the directions, times this, is the metric: measured, 0.9 converges fastest.
+const METRIC: f64 = 0.9;
+
+/// What nothing pulls must not make the matrix singular, relative to `w_C`.
+const LEAST: f64 = 1e-6;
+
+/// The vertices of the source, once turned, on the target, in the target's unit coordinates, and the rounds it took.
+///
+/// # Errors
+///
+/// [`crate::Error::SolveFailed`], [`crate::Error::Cancelled`].
+pub fn register(
+    source: &Side,
+    target: &Placed,
+    lie: &Lie,
+    options: &FitOptions,
+    job: &Job,
+) -> Result<(Vec<Vec3>, usize)> {
+    let (mesh, n) = (source.mesh, source.mesh.vertices().len());
+    let components = mesh.components();
+    let Lie { markers, scatter, size, shift, .. } = lie;
+    let exact = options.marker_tolerance == 0.0;
+    let mut fixed = vec![None; n];
+    for marker in markers.iter().filter(|m| exact && m.weights == Vec3::X) {
+        fixed[marker.corners[0] as usize] = Some(marker.goal);
+    }
+    let weights = TermWeights { smoothness: options.smoothness, identity: options.identity };
+    // Vertices in no face have no energy: they stay where they are.
+    let energy =
+        Energy::new(mesh, *size, weights, |v| fixed[v].is_some() || components.of_vertex(v).is_none())?;
+    let mut u = energy.rest();
+    u[..n].iter_mut().for_each(|x| *x += *shift);
+    u.iter_mut().zip(&fixed).for_each(|(x, goal)| *x = goal.unwrap_or(*x));
+    job.check()?;
+    if !markers.is_empty() {
+        follow_markers(&energy, markers, &mut u)?;
+    }
+
+    let trust = (options.marker_tolerance / scatter.max(1e-4)).max(1.0);
+    let mut look_up = LookUp::new(source, target, options.match_distance);
+    let total = options.steps * options.rounds;
+    for step in 0..options.steps {
+        let fraction = if options.steps == 1 { 1.0 } else { step as f64 / (options.steps - 1) as f64 };
+        let pull = options.closest.powf(fraction);
+        let off = look_up.find_partners(&u[..n], job)?;
+        let reach = (REACH[0] * (REACH[1] / REACH[0]).powf(fraction)).max(QUARTILES * off);
+        let left = 1.0 - step as f64 / (options.steps.max(3) - 2) as f64;
+        let falling = FALLING * left.max(0.0).powi(2);
+        let mut descent = None;
+        for round in 0..options.rounds {
+            let placed = Placed::new(source, &u[..n]);
+            let mut pulls = look_up.forth(&placed, pull * DIAGONAL_SQUARED, reach, job)?;
+            if fraction >= BOTH_SIDES {
+                pulls.extend(look_up.back(&placed, pull * DIAGONAL_SQUARED, reach, job)?);
+            }
+            pulls.extend(markers.iter().map(|m| {
+                let off = m.place(&u).distance(m.goal) / (KEPT_WITHIN * options.marker_tolerance * trust);
+                let kept = KEPT * trust / (1.0 + off * off).powi(2);
+                m.pull(if exact { EXACT } else { falling.max(kept) } * DIAGONAL_SQUARED)
+            }));
+            if descent.is_none() {
+                let mut metric = pulls::uncoupled(&pulls, n);
+                metric.iter_mut().for_each(|d| *d = (*d * METRIC).max(LEAST * pull));
+                descent = Some(Descent::new(&energy, energy.factor(&metric)?));
+            }
+            job.check()?;
+            descent.iter_mut().for_each(|descent| descent.go(&pulls, &mut u, 1));
+            job.report(0.1 + 0.8 * (step * options.rounds + round + 1) as f64 / total as f64, "fit");
+        }
+    }
+    u.truncate(n);
+    Ok((u, total))
+}
+
+/// `w_C = 0`. Components without markers are held at rest, which costs them nothing, and carried.
+fn follow_markers(energy: &Energy, markers: &[Marker], u: &mut [Vec3]) -> Result<()> {
+    let components = energy.mesh().components();
+    let mut marked = vec![false; components.count()];
+    for marker in markers {
+        marked[components.of_vertex(marker.corners[0] as usize).unwrap_or_default()] = true;
+    }
+    let n = energy.mesh().vertices().len();
+    let held = |v: &usize| components.of_vertex(*v).is_some_and(|c| !marked[c]);
+    let hold = (0..n).filter(held).map(|v| Pull::to_point([v as u32; 3], Vec3::X, u[v], 1.0));
+    let mark = markers.iter().map(|m| m.pull(MARKED * DIAGONAL_SQUARED));
+    let pulls: Vec<Pull> = hold.chain(mark).collect();
+    let factor = energy.factor(&pulls::uncoupled(&pulls, n))?;
+    let at_vertices = markers.iter().all(|m| m.weights == Vec3::X);
+    Descent::new(energy, factor).go(&pulls, u, if at_vertices { 1 } else { SOLVES });
+    carry_unmarked(energy.mesh(), &marked, &mut u[..n]);
+    Ok(())
+}
+
+/// Moves every component without a marker as the marked surface beside it has moved.
+fn carry_unmarked(source: &Mesh, marked: &[bool], x: &mut [Vec3]) {
+    if marked.iter().all(|&m| m) {
+        return;
+    }
+    let components = source.components();
+    let is_marked = |v: u32| components.of_vertex(v as usize).is_some_and(|c| marked[c]);
+    let anchors: Vec<[u32; 3]> = source.triangles().iter().copied().filter(|t| is_marked(t[0])).collect();
+    let surface = Surface::new(anchors.iter().map(|t| t.map(|v| source.rest()[v as usize])).collect());
+    for (members, _) in components.members().iter().zip(marked).filter(|(_, marked)| !**marked) {
+        let beside = members.par_iter().filter_map(|&v| surface.closest_point(source.rest()[v as usize]));
+        let mut beside: Vec<u32> = beside.flat_map_iter(|hit| anchors[hit.triangle]).collect();
+        beside.sort_unstable();
+        beside.dedup();
+        let carry =
+            Alignment::of(beside.iter().map(|&v| (source.rest()[v as usize], x[v as usize]))).similar();
+        for &v in members {
+            x[v as usize] = carry.apply(source.rest()[v as usize]);
+        }
+    }
+}

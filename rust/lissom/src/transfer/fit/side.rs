@@ -1,0 +1,122 @@
+//! One of the two meshes of a fit: what of it matches nothing, where its border is, and its surface where the fit
+//! has put it.
+
+use super::component_pairs::triangle_components;
+use crate::geometry::surface::{Hit, Surface};
+use crate::geometry::triangle::vertex_normals;
+use crate::{Error, Fault, Mesh, Result, Vec3};
+
+/// A point is on an edge where the opposite corner counts for less than this.
+const ON_EDGE: f64 = 1e-9;
+
+/// What of a mesh takes part.
+pub struct Side<'a> {
+    /// The mesh.
+    pub mesh: &'a Mesh,
+    /// Component of each triangle.
+    pub component: Vec<u32>,
+    /// Vertices that match nothing ...
+    pub masked_vertex: Vec<bool>,
+    /// ... and triangles with such a corner.
+    pub masked: Vec<bool>,
+    /// Of each triangle, the corners opposite to an edge that no other triangle has.
+    open: Vec<[bool; 3]>,
+    /// Vertices of such edges.
+    border: Vec<bool>,
+}
+
+impl<'a> Side<'a> {
+    /// A mesh, and the vertices of it that match nothing, which an error calls `name`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::InvalidConstraint`] for a vertex out of range.
+    pub fn new(mesh: &'a Mesh, name: &str, mask: &[u32]) -> Result<Self> {
+        let n = mesh.vertices().len();
+        let outside = (0..mask.len()).filter(|&i| mask[i] as usize >= n);
+        if let Some(fault) = Fault::at(name, format!("vertex out of range, the mesh has {n}"), outside) {
+            return Err(Error::InvalidConstraint(fault));
+        }
+        let mut masked_vertex = vec![false; n];
+        mask.iter().for_each(|&v| masked_vertex[mesh.representative(v) as usize] = true);
+        let masked = mesh.triangles().iter().map(|t| t.iter().any(|&v| masked_vertex[v as usize])).collect();
+        let (mut open, mut border) = (vec![[false; 3]; mesh.triangles().len()], vec![false; n]);
+        for (e, ends) in mesh.adjacency().edges().iter().enumerate() {
+            let [side] = mesh.adjacency().sides_of(e) else { continue };
+            let t = side.triangle as usize;
+            ends.iter().for_each(|&v| border[v as usize] = true);
+            (0..3).for_each(|k| open[t][k] |= !ends.contains(&mesh.triangles()[t][k]));
+        }
+        Ok(Self { mesh, component: triangle_components(mesh), masked_vertex, masked, open, border })
+    }
+
+    /// The same of a mesh with the same triangles.
+    pub fn of<'b>(self, mesh: &'b Mesh) -> Side<'b> {
+        let Self { component, masked_vertex, masked, open, border, .. } = self;
+        Side { mesh, component, masked_vertex, masked, open, border }
+    }
+
+    /// Whether a vertex is on the border of the mesh.
+    pub fn is_border(&self, vertex: usize) -> bool {
+        self.border[vertex]
+    }
+
+    /// Whether a point of a triangle, by its barycentric coordinates, is on the border of the mesh.
+    pub fn is_on_border(&self, triangle: usize, weights: Vec3) -> bool {
+        let corners = self.mesh.triangles()[triangle];
+        let at_corner = |k: usize| weights[k] > 1.0 - ON_EDGE && self.border[corners[k] as usize];
+        (0..3).any(|k| (self.open[triangle][k] && weights[k] < ON_EDGE) || at_corner(k))
+    }
+}
+
+/// A side where the fit has put it.
+pub struct Placed<'a> {
+    /// The side.
+    pub side: &'a Side<'a>,
+    /// Its vertices.
+    pub positions: &'a [Vec3],
+    /// Its triangles.
+    pub surface: Surface,
+    /// Normals of its vertices, as long as twice the area around them.
+    pub normals: Vec<Vec3>,
+}
+
+impl<'a> Placed<'a> {
+    /// A side with its vertices at `positions`.
+    pub fn new(side: &'a Side<'a>, positions: &'a [Vec3]) -> Self {
+        let triangles = side.mesh.triangles();
+        let (surface, normals) =
+            rayon::join(|| Surface::of(triangles, positions), || vertex_normals(triangles, positions));
+        Self { side, positions, surface, normals }
+    }
+
+    /// The closest compatible point to `point`, where the normal is `normal`, that matches something: on the
+    /// component `partner` where it is at most `detour` further than any other.
+    pub fn closest(
+        &self,
+        point: Vec3,
+        normal: Vec3,
+        reach: f64,
+        partner: Option<u32>,
+        detour: f64,
+    ) -> Option<Hit> {
+        let (surface, side) = (&self.surface, self.side);
+        let any = surface.closest_compatible_point_on(point, normal, reach, |t| !side.masked[t])?;
+        match partner {
+            Some(partner) if side.component[any.triangle] != partner => {
+                let accept = |t: usize| side.component[t] == partner && !side.masked[t];
+                let further = any.distance + detour;
+                surface.closest_compatible_point_on(point, normal, further, accept).or(Some(any))
+            }
+            _ => Some(any),
+        }
+    }
+
+    /// The normal at a point of a triangle, smooth across edges.
+    pub fn normal(&self, triangle: usize, weights: Vec3) -> Vec3 {
+        let corners = self.side.mesh.triangles()[triangle];
+        let blend: Vec3 =
+            (0..3).map(|k| self.normals[corners[k] as usize].normalize_or_zero() * weights[k]).sum();
+        blend.try_normalize().unwrap_or(self.surface.normals()[triangle])
+    }
+}
