@@ -92,6 +92,7 @@ bench: $(WHEEL)
 	.venv/bench/bin/python bench/live.py
 	.venv/bench/bin/python bench/inbetween.py
 	.venv/bench/bin/python bench/transfer.py
+	.venv/bench/bin/python bench/fit.py
 
 clean:
 	rm -rf .venv build dist target

@@ -102,16 +102,17 @@ def fit_correspondence(
 ) -> Fit:
     """Pulls ``source`` onto ``target`` and matches their triangles (Sumner & Popović 2004).
 
-    markers: (k, 2), vertex of the source, vertex of the target that belongs to it; None finds out by the shapes
-        alone how the meshes lie on each other, and says how sure that is (``report["certainty"]``). Meshes of the
-        same triangles need none: without any, each vertex belongs to its like. Markers may be off by
-        ``marker_tolerance``: one that lies where the others do not put it is named and left out.
+    markers: (k, 2), vertex of the source, vertex of the target that belongs to it; None finds out by the
+        shapes alone how the meshes lie on each other, and says how sure that is (``report["certainty"]``).
+        Meshes of the same triangles need none: without any, each vertex belongs to its like. Markers may be
+        off by ``marker_tolerance``; one that lies where the others do not put it is named and left out.
     points: (k, 3), where on the target the markers' source vertices belong, in its units, where that is not
         at its vertices.
     options: those of ``lissom.options("fit")``.
 
-    Raises InvalidConstraint for an empty list of markers, indices out of range, vertices marked twice, and meshes
-    with too little in common to do without markers; InvalidValue for an option out of range; SolveFailed; OutOfMemory; Cancelled.
+    Raises InvalidConstraint for an empty list of markers, indices out of range, vertices marked twice, and
+    meshes with too little in common to do without markers; InvalidValue for an option out of range;
+    SolveFailed; OutOfMemory; Cancelled.
     """
     return start_fit(source, target, markers, points, **options).result()
 
