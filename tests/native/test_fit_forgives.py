@@ -144,9 +144,8 @@ def test_without_markers_the_shapes_tell(data):
         vertices, faces, _, order = shuffled(person * 0.01 + 3, head.faces)
         fit, keys = carried(source, lissom.Mesh(vertices, faces), None, head.rest + head.offsets)
         assert fit.report["certainty"] > 0.9 and not fit.report["warnings"]
-        assert np.median(head.errors(keys * 100, vertices * 100, head.offsets[:, order])) < 1.15 * head.best(
-            person
-        )
+        errors = head.errors(keys * 100, vertices * 100, head.offsets[:, order])
+        assert np.median(errors) < 1.25 * head.best(person)
     lion = data("cat_lion")
     lion = lissom.Mesh(lion["lion_reference"], lion["lion_faces"])
     with pytest.raises(lissom.InvalidConstraint, match="too little in common"):
