@@ -19,20 +19,20 @@ def pair_of_objects(context, source, target):
 
 
 def gather(context, sources, targets, text, filepath):
-    """The checked pairs (a list of core.markers.Marker) on the first objects of both sides, and warnings."""
+    """The checked pairs (a list of core.markers.Marker) on the first objects of both sides, and warnings.
+
+    The scene's list may be empty: then the shapes alone tell. What is given on purpose may not.
+    """
     source, target = sources[0], targets[0]
     if text and filepath:
         raise Refused("Give the markers as text or as a file, not both")
     if text or filepath:
         loaded = markers.loads(text) if text else markers.load(bpy.path.abspath(filepath))
+        if not loaded.pairs:
+            raise Refused("The markers that were given hold no pairs: leave them out to do without any")
         pairs, warnings = of_file(loaded, source, target)
     else:
         pairs, warnings = current(context.scene, source, target)
-    if not pairs and not needless(sources, targets):
-        raise Refused(
-            "There are no markers: select one vertex on each mesh and press +, at least three times, "
-            "or load a marker file"
-        )
     markers.check(pairs, len(source.data.vertices), len(target.data.vertices))
     return pairs, warnings
 

@@ -26,7 +26,7 @@ def configure(parser):
     add("--target", required=True, nargs="+", help="mesh object that gets the keys, and further ones")
     add("--source", required=True, nargs="+", help="mesh object with the keys, and further ones")
     add("--source-file", help="the .blend file with the source (default: that of the target)")
-    add("--markers", default="", help="marker file (default: the markers in the file, if any)")
+    add("--markers", default="", help="marker file (default: the file's markers; without any, the shapes)")
     what = parser.add_mutually_exclusive_group().add_argument
     what("--keys", nargs="+", default=[], help="names of the shape keys (default: all)")
     what("--pose", metavar="NAME", help="in place of keys: what the source looks like, as this shape key")
@@ -46,6 +46,7 @@ def configure(parser):
     add("--contact", **argument("transfer", "contact"))
     add("--drop-empty", action="store_true", help="leave out keys that do not move the target")
     add("--tightness", **argument("fit", "closest"))
+    add("--marker-tolerance", **argument("fit", "marker_tolerance"))
     add("--match-distance", **argument("fit", "match_distance"))
     add("--source-mask", default="", help="vertex group of the source that matches nothing")
     add("--target-mask", default="", help="vertex group of the target that matches nothing")
@@ -65,7 +66,8 @@ def run(arguments):
         transfer = next((run for name, run in INSTEAD.items() if getattr(arguments, name)), _transfer_keys)
         report = {"source": [source.name for source in sources], "target": arguments.target, "errors": []}
         report |= transfer(arguments, sources, _common(arguments, sources))
-        report |= {"fit": session.fit.fit.report, "seconds": round(time.perf_counter() - started, 3)}
+        report |= {"fit": session.fit.fit.report, "doubtful_markers": _doubtful_markers()}
+        report["seconds"] = round(time.perf_counter() - started, 3)
         report["errors"] += _send_back(brought, targets)
         bpy.ops.wm.save_as_mainfile(filepath=_absolute(arguments.out), copy=True)
         if arguments.report:
@@ -92,11 +94,19 @@ def _common(arguments, sources):
         "unmatched": arguments.loose_parts,
         "scale": arguments.scale,
         "contact": arguments.contact,
+        "marker_tolerance": arguments.marker_tolerance,
         "match_distance": arguments.match_distance,
         "closest": arguments.tightness,
         "source_mask": arguments.source_mask,
         "target_mask": arguments.target_mask,
     }
+
+
+def _doubtful_markers():
+    return [
+        {"name": name, "source": source, "target": target, "reason": why}
+        for (source, target), (name, why) in session.fit.doubts.items()
+    ]
 
 
 def _transfer_keys(arguments, sources, common):
@@ -159,6 +169,8 @@ def _check(arguments):
             raise Refused(f"--{name}: there is no folder for '{path}'")
         if path and pathlib.Path(path).is_dir():
             raise Refused(f"--{name}: '{path}' is a folder")
+    if not 0 <= arguments.marker_tolerance <= 1:
+        raise Refused("--marker-tolerance: choose a part of the diagonal, from 0 to 1")
     if not 0 < arguments.match_distance <= 1:
         raise Refused("--match-distance: choose a part of the diagonal, above 0 and at most 1")
     if not 1 <= arguments.tightness <= 1e6:

@@ -1,5 +1,6 @@
 """Transfer of keys: fit where none is at hand, then all keys as right-hand sides of one factorization."""
 
+import re
 from typing import NamedTuple
 
 import lissom
@@ -7,6 +8,8 @@ import numpy as np
 
 from .refused import Refused
 from .work import Block, Work
+
+_NUMBERED = re.compile(r"markers: number (\d+) \(source vertex \d+\) is ")
 
 
 def fit_work(source, target, markers, options):
@@ -30,7 +33,7 @@ def _meshes(source, target):
 
 
 def fit_steps(source, target, markers, options):
-    """The fit of two meshes by (k, 2) vertex indices ``markers``, as steps of a Work."""
+    """The fit of two meshes by (k, 2) vertex indices ``markers``, or by None; as steps of a Work."""
     fit = yield lissom.start_fit(source, target, markers, **options)
     if not len(fit.pairs):
         raise Refused(
@@ -38,6 +41,24 @@ def fit_steps(source, target, markers, options):
             "the faces of both must look outward"
         )
     return fit
+
+
+def told(fit, names):
+    """A fit's warnings with its markers as a list of these ``names`` shows them, which counts from 1."""
+
+    def listed(match):
+        number = int(match[1])
+        return f"marker {number + 1}, '{names[number]}', is "
+
+    return [_NUMBERED.sub(listed, warning) for warning in fit.report["warnings"]]
+
+
+def doubts(fit):
+    """{number: why} of the markers that a fit doubts."""
+    said = dict.fromkeys(fit.doubtful_markers.tolist(), "not where the others put it")
+    for match in filter(None, map(_NUMBERED.match, fit.report["warnings"])):
+        said[int(match[1])] = match.string[match.end() :]
+    return said
 
 
 class Carried(NamedTuple):

@@ -103,7 +103,7 @@ class LISSOM_OT_transfer_attributes(FitProperties, JobOperator, bpy.types.Operat
                 if layer in plan:
                     attributes.write(obj, layer, plan[layer], own)
                     written.append(plan[layer])
-        for warning in [*request.warnings, *result.fit.report["warnings"], *result.warnings]:
+        for warning in [*request.told(result.fit), *result.warnings]:
             self.report({"WARNING"}, warning)
         for warning in filter(None, (checks.shared_data(obj, "attributes") for obj in targets)):
             self.report({"WARNING"}, warning)

@@ -12,10 +12,11 @@ from ..bridge import checks, shape_keys
 from ..bridge import markers as bridge_markers
 from ..bridge.assembly import Assembly, both_sides
 from ..core.refused import Refused
-from ..core.transfer import fit_work
+from ..core.transfer import doubts, fit_work, told
 from ..properties.transfer import (
     closest_property,
     contact_property,
+    marker_tolerance_property,
     mask_property,
     match_distance_property,
     scale_property,
@@ -26,7 +27,8 @@ from .transfer_markers import SOURCE, TARGET
 
 MARKERS = {
     "name": "Markers",
-    "description": "Marker pairs as the text of a marker file; empty: the scene's list",
+    "description": "Marker pairs as the text of a marker file; empty: the scene's list, and where that is "
+    "empty too, the shapes alone",
     "options": {"SKIP_SAVE"},
 }
 MARKER_FILE = {
@@ -44,6 +46,7 @@ class FitProperties:
     target: StringProperty(**TARGET)
     markers: StringProperty(**MARKERS)
     filepath: StringProperty(**MARKER_FILE)
+    marker_tolerance: marker_tolerance_property()
     match_distance: match_distance_property()
     closest: closest_property()
     source_mask: mask_property("Source")
@@ -63,7 +66,7 @@ class TransferProperties(FitProperties):
 
     def warn(self, request, fit, warnings, targets):
         """Reports what a transfer has to say that is done."""
-        warnings = [*request.warnings, *fit.report["warnings"], *warnings]
+        warnings = [*request.told(fit), *warnings]
         for warning in filter(None, [*warnings, *map(checks.shared_data, targets)]):
             self.report({"WARNING"}, warning)
 
@@ -74,7 +77,11 @@ def where(objects):
 
 
 class Memory(NamedTuple):
-    """A fit with what it was made of: a digest for certainty, objects and pairs of vertices for the panel."""
+    """A fit with what it was made of: a digest to know it by, objects and pairs of vertices for the panel.
+
+    ``doubts`` has the name of each doubtful marker, and what is said against it, by its vertices, not its
+    row: rows change places, and a marker that is corrected is free of doubt.
+    """
 
     digest: str
     source: Assembly
@@ -82,13 +89,18 @@ class Memory(NamedTuple):
     pairs: list
     fit: object
     summary: str
+    doubts: dict
 
 
 def summary(report):
     """How good a fit is, in one line."""
+    certainty = report["certainty"]
+    # The core refuses where it is lost: 0 is that of the same faces, where there was nothing to find out.
+    unsure = 0 < certainty < 1
+    sure = f", {min(99, round(100 * certainty))} % sure how the meshes lie" if unsure else ""
     return (
         f"Fit: {report['distance_mean_percent']:.2f} % off on average, "
-        f"{report['unmatched_target_percent']:.1f} % of the target unmatched"
+        f"{report['unmatched_target_percent']:.1f} % of the target unmatched{sure}"
     )
 
 
@@ -103,13 +115,16 @@ class Request:
         self.pairs, self.warnings = bridge_markers.gather(
             context, sources, targets, operator.markers, operator.filepath
         )
-        self.options = {"match_distance": operator.match_distance, "closest": operator.closest}
+        self.options = {
+            name: getattr(operator, name) for name in ("marker_tolerance", "match_distance", "closest")
+        }
         for side in ("source", "target"):
             group = getattr(operator, f"{side}_mask")
             if group:
                 self.options[f"{side}_mask"] = getattr(self, side).mask(group)
-        markers = [marker.vertices for marker in self.pairs]
-        self.markers = np.array(markers, dtype=np.int64).reshape(-1, 2)
+        self._vertices = [marker.vertices for marker in self.pairs]
+        self._names = [marker.name for marker in self.pairs]
+        self.markers = np.array(self._vertices, dtype=np.int64) if self.pairs else None
 
     def geometry(self):
         """(vertices, triangles) of source and target in solve space."""
@@ -118,7 +133,7 @@ class Request:
     def digest(self):
         """Equal exactly when a fit made for one request serves the other."""
         digest = hashlib.blake2b(digest_size=16)
-        for array in (*self.geometry()[0], *self.geometry()[1], self.markers):
+        for array in (*self.geometry()[0], *self.geometry()[1], np.array(self._vertices)):
             digest.update(np.ascontiguousarray(array).tobytes())
         for name, option in self.options.items():
             digest.update(f"{name} ".encode())
@@ -129,10 +144,15 @@ class Request:
         """The fit in memory, if it was made of just this."""
         return session.fit.fit if session.fit and session.fit.digest == self.digest() else None
 
+    def told(self, fit):
+        """What there is to warn of, about the markers and the fit."""
+        return [*self.warnings, *told(fit, self._names)]
+
     def remember(self, context, fit):
         """Keeps the fit for the next transfer, and in the scene where its markers are now."""
-        vertices = [marker.vertices for marker in self.pairs]
-        session.fit = Memory(self.digest(), self.source, self.target, vertices, fit, summary(fit.report))
+        doubted = {self._vertices[i]: (self._names[i], why) for i, why in doubts(fit).items()}
+        known = self.digest(), self.source, self.target, self._vertices
+        session.fit = Memory(*known, fit, summary(fit.report), doubted)
         if self._own and self._listed and self._listed == bridge_markers.of_scene(context.scene):
             ends = self.source.objects()[0], self.target.objects()[0]
             bridge_markers.put(context.scene, self.pairs, *ends)
@@ -147,9 +167,7 @@ def ready(operator_class, context, keys=False, writes=False):
             sources, targets = both_sides(context, "", "")
         except Refused:
             return allowed(operator_class, "Choose two different objects as source and target first")
-        if not len(settings.markers) and not bridge_markers.needless(sources, targets):
-            reason = "Add marker pairs first: at least three, ten or more for a face"
-        elif keys and not key_names(sources):
+        if keys and not key_names(sources):
             reason = f"'{sources[0].name}' has no shape keys to carry over"
         elif keys and settings.which == "SELECTED" and not len(settings.chosen):
             reason = "Tick the shape keys to carry over first"
@@ -164,7 +182,7 @@ def key_names(objects):
 
 
 class LISSOM_OT_transfer_fit(FitProperties, JobOperator, bpy.types.Operator):
-    """Pull the source onto the target by the markers, and find which faces belong together"""
+    """Pull the source onto the target, by markers or else by shape, and find which faces belong together"""
 
     bl_idname = "lissom.transfer_fit"
     bl_label = "Fit"
@@ -182,7 +200,7 @@ class LISSOM_OT_transfer_fit(FitProperties, JobOperator, bpy.types.Operator):
         self._request.source.find()
         self._request.target.find()
         self._request.remember(context, fit)
-        for warning in [*self._request.warnings, *fit.report["warnings"]]:
+        for warning in self._request.told(fit):
             self.report({"WARNING"}, warning)
         self.report({"INFO"}, summary(fit.report))
 

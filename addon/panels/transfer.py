@@ -22,6 +22,8 @@ class LISSOM_UL_markers(bpy.types.UIList):
         number = row.row()
         number.ui_units_x = 1.2
         number.label(text=str(index + 1))
+        if (item.source, item.target) in doubts(data):
+            row.label(text="", icon="ERROR")
         row.prop(item, "name", text="", emboss=False)
         row.prop(item, "mirror", text="", icon="MOD_MIRROR", emboss=False)
         row.operator("lissom.marker_show", text="", icon="RESTRICT_SELECT_OFF", emboss=False).index = index
@@ -96,7 +98,22 @@ KEY_OPTIONS = ("unmatched", "scale", "exists", "drivers", "contact", "drop_empty
 POSE_OPTIONS = ("unmatched", "scale", "exists", "contact")
 ANIMATION_OPTIONS = ("unmatched", "scale", "contact")
 ATTRIBUTE_OPTIONS = ("vertex_groups", "uv_maps", "colours", "exists")
-FIT_OPTIONS = ("match_distance", "closest", "source_mask", "target_mask")
+FIT_OPTIONS = ("marker_tolerance", "match_distance", "closest", "source_mask", "target_mask")
+
+
+def fit_of(settings):
+    """The last fit, where it is one of the objects that are chosen; else None."""
+    memory = session.fit
+    if memory is None or not settings.source or not settings.target:
+        return None
+    same = (memory.source.name, memory.target.name) == (settings.source.name, settings.target.name)
+    return memory if same else None
+
+
+def doubts(settings):
+    """{(source vertex, target vertex): (name, why)} of the markers that the last fit doubts."""
+    memory = fit_of(settings)
+    return memory.doubts if memory else {}
 
 
 class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
@@ -120,6 +137,8 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
                 remove.side, remove.remove = side.upper(), place
         self._draw_markers(layout, context)
         column = split_column(layout)
+        if len(settings.markers):
+            column.prop(settings, "marker_tolerance")
         column.prop(settings, "match_distance")
         column.prop(settings, "closest")
         for side in ("source", "target"):
@@ -146,11 +165,16 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         if settings.what == "KEYS":
             self._draw_quality(layout, settings)
 
-    def _needless(self, context):
+    def _draw_without(self, layout, context):
         try:
-            return bridge_markers.needless(*both_sides(context, "", ""))
+            needless = bridge_markers.needless(*both_sides(context, "", ""))
         except Refused:
             return False
+        if needless:
+            draw_lines(layout, "CHECKMARK", "Both have the same faces: no markers are needed")
+        else:
+            draw_lines(layout, "INFO", "No markers: found by shape")
+        return needless
 
     def _draw_markers(self, layout, context):
         settings = context.scene.lissom_transfer
@@ -173,9 +197,11 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             row = layout.row(align=True)
             row.prop(active, "source", text="Source")
             row.prop(active, "target", text="Target")
-        if not len(settings.markers) and self._needless(context):
-            draw_lines(layout, "CHECKMARK", "Both have the same faces: no markers are needed")
-        elif len(settings.markers) < 3:
+            _, doubt = doubts(settings).get((active.source, active.target), ("", ""))
+            if doubt:
+                draw_lines(layout, "ERROR", f"This pair is {doubt}")
+        needless = not len(settings.markers) and self._draw_without(layout, context)
+        if len(settings.markers) < 3 and not needless:
             draw_lines(
                 layout,
                 "INFO",
@@ -185,11 +211,8 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
 
     def _draw_fit(self, layout, context):
         settings = context.scene.lissom_transfer
-        memory = session.fit
-        if memory is None or not settings.source or not settings.target:
-            return
-        same = (memory.source.name, memory.target.name) == (settings.source.name, settings.target.name)
-        if not same:
+        memory = fit_of(settings)
+        if memory is None:
             return
         row = layout.row(align=True)
         shown = any(map(colours.shown, filter(None, (settings.source, settings.target))))

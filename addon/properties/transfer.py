@@ -41,6 +41,12 @@ def match_distance_property():
     return option_property(option("fit", "match_distance", **label), precision=3)
 
 
+def marker_tolerance_property():
+    """The option of the same name of lissom.start_fit."""
+    label = {"label": "Marker Tolerance", "high": 1.0, "soft_high": 0.1}
+    return option_property(option("fit", "marker_tolerance", **label), precision=3)
+
+
 def closest_property():
     """The option of the same name of lissom.start_fit."""
     return option_property(option("fit", "closest", "Tightness", high=1e6), precision=0)
@@ -291,6 +297,7 @@ class LissomTransfer(bpy.types.PropertyGroup):
         ],
     )
     chosen: CollectionProperty(type=LissomKeyChoice)
+    marker_tolerance: marker_tolerance_property()
     match_distance: match_distance_property()
     closest: closest_property()
     source_mask: mask_property("Source")

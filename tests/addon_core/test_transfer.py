@@ -1,5 +1,8 @@
+from types import SimpleNamespace
+
+import lissom
 import numpy as np
-from lissom_addon_core.transfer import Keys
+from lissom_addon_core.transfer import Keys, doubts, told
 from numpy.testing import assert_allclose, assert_array_equal
 
 REST, SMILE, FIX = np.random.default_rng(0).normal(size=(3, 5, 3))
@@ -31,3 +34,26 @@ def test_row_31_a_key_that_moves_nothing_has_a_delta_of_exactly_zero():
 
 def test_keys_that_move_nothing_leave_nothing_to_carry_over():
     assert Keys(REST, [(REST, REST)]).shapes.shape == (0, 5, 3)
+
+
+def test_markers_are_named_as_the_list_has_them():
+    lines = ["target: 2 slivers", "markers: number 1 (source vertex 7) is 9.0 % away"]
+    fit = SimpleNamespace(doubtful_markers=np.array([1, 2]), report={"warnings": lines})
+    names = ["chin", r"nose \1", "ear"]
+    assert told(fit, names) == ["target: 2 slivers", r"marker 2, 'nose \1', is 9.0 % away"]
+    assert doubts(fit) == {1: "9.0 % away", 2: "not where the others put it"}
+
+
+def test_the_core_words_its_doubts_so_that_they_can_be_told():
+    grid = np.stack(np.meshgrid(np.linspace(0, 1, 13), np.linspace(0, 1, 13)), axis=-1).reshape(-1, 2)
+    vertices = np.column_stack([grid, 0.2 * np.sin(4 * grid[:, 0]) * np.cos(3 * grid[:, 1])])
+    corner = np.arange(12 * 13).reshape(12, 13)[:, :12].ravel()
+    faces = np.concatenate([corner[:, None] + [0, 1, 14], corner[:, None] + [0, 14, 13]])
+    markers = np.repeat(np.arange(0, 169, 7)[:, None], 2, axis=1)
+    markers[4, 1] = 160
+    mesh = lissom.Mesh(vertices, faces)
+    fit = lissom.fit_correspondence(mesh, mesh, markers)
+    assert fit.doubtful_markers.tolist() == [4]
+    assert "away from where the others put it" in doubts(fit)[4]
+    names = [f"Marker {number + 1}" for number in range(len(markers))]
+    assert sum(line.startswith("marker 5, 'Marker 5', is ") for line in told(fit, names)) == 1

@@ -3,12 +3,14 @@
 import types
 
 import bpy
+import numpy as np
 import pytest
 import scene
 from bl_ext.user_default.lissom import session
 from bl_ext.user_default.lissom.core.pose_options import METHODS, by_name, options_of
 from bl_ext.user_default.lissom.core.work import Work
 from bl_ext.user_default.lissom.properties.inbetween import SETTINGS
+from test_transfer import monkeys
 
 FUNCTIONS = bpy.types.UILayout.bl_rna.functions
 ICONS = {item.identifier for item in FUNCTIONS["label"].parameters["icon"].enum_items}
@@ -67,13 +69,22 @@ class Layout:
             assert given["search_property"] in given["search_data"].bl_rna.properties
         if name in ("menu", "template_list"):
             self._drawn["classes"].append(given.get("menu") or given["listtype_name"])
+        self._drawn["icons"].append(given.get("icon", "NONE"))
         if given.get("text"):
             self._drawn["labels"].append(given["text"])
         return None
 
 
 def nothing_drawn(closed=False):
-    return {"labels": [], "operators": {}, "classes": [], "pointers": {}, "settings": [], "closed": closed}
+    return {
+        "labels": [],
+        "icons": [],
+        "operators": {},
+        "classes": [],
+        "pointers": {},
+        "settings": [],
+        "closed": closed,
+    }
 
 
 def draw(cls, *arguments, closed=False):
@@ -214,8 +225,13 @@ def test_transfer_passes_its_settings_on(panels):
     settings = bpy.context.scene.lissom_transfer
     settings.source, settings.target = source, target
     assert "no markers are needed" in text(draw(panels["transfer"]))
+    bpy.ops.lissom.transfer_fit()
+    drawn = draw(panels["transfer"])
+    assert "Fit: " in text(drawn) and "% sure" not in text(drawn)
     settings.target = target = scene.tube(name="Finer", rings=61)
-    assert "Press Pick" in text(draw(panels["transfer"]))
+    drawn = draw(panels["transfer"])
+    assert "Press Pick" in text(drawn) and "No markers: found by shape" in text(drawn)
+    assert "marker_tolerance" not in drawn["settings"]
     for vertex in range(3):
         bpy.ops.lissom.marker_add(source_vertex=vertex, target_vertex=vertex)
     settings.which, settings.exists = "SELECTED", "SKIP"
@@ -223,7 +239,8 @@ def test_transfer_passes_its_settings_on(panels):
     drawn = draw(panels["transfer"])
     (given,) = drawn["operators"]["lissom.transfer_keys"]
     assert (given["keys"], given["exists"]) == ("K", "SKIP")
-    assert "Press Pick" not in text(drawn)
+    assert "Press Pick" not in text(drawn) and "found by shape" not in text(drawn)
+    assert "marker_tolerance" in drawn["settings"] and "source_points" not in drawn["settings"]
     assert "LISSOM_UL_keys" in drawn["classes"]
     bpy.ops.lissom.transfer_fit()
     assert "Fit: " in text(draw(panels["transfer"]))
@@ -237,6 +254,7 @@ def test_one_button_transfers_what_is_chosen(panels):
     settings.pose_name, settings.exists, settings.contact = "Open", "RENAME", True
     settings.bake_step, settings.bake_path, settings.match_distance = 3, "/a.pc2", 0.03
     shared = {"match_distance": settings.match_distance, "closest": settings.closest}
+    shared["marker_tolerance"] = settings.marker_tolerance
     shared |= {"source_mask": "", "target_mask": ""}
     dressed = {"vertex_groups": True, "uv_maps": False, "colours": True, "exists": "RENAME"}
     settings.uv_maps = False
@@ -272,6 +290,48 @@ def test_rows_of_markers_and_keys():
     row = draw(bpy.types.LISSOM_UL_keys, source.data.shape_keys, key, 0, source, "active_shape_key_index")
     assert row["operators"]["lissom.transfer_choose"] == [{"action": "TOGGLE", "key": "K"}]
     assert "lissom.marker_load" in draw(bpy.types.LISSOM_MT_markers)["operators"]
+
+
+def marked_rows():
+    """The rows of the list of markers that bear a sign."""
+    settings = bpy.context.scene.lissom_transfer
+    kind = bpy.types.LISSOM_UL_markers
+    rows = [draw(kind, settings, row, 0, settings, "", place) for place, row in enumerate(settings.markers)]
+    return [place for place, row in enumerate(rows) if "ERROR" in row["icons"]]
+
+
+def test_a_marker_out_of_place_is_marked_until_it_is_corrected(panels, capfd):
+    _, target = monkeys()
+    settings = bpy.context.scene.lissom_transfer
+    wrong = settings.markers[5]
+    right, taken = wrong.target, {row.target for row in settings.markers}
+    points = scene.points(target.data.vertices)
+    away = np.argsort(-np.linalg.norm(points - points[right], axis=1)).tolist()
+    wrong.name, wrong.target = "nose", next(vertex for vertex in away if vertex not in taken)
+    assert marked_rows() == []
+    bpy.ops.lissom.transfer_fit()
+    assert session.fit.fit.doubtful_markers.tolist() == marked_rows() == [5]
+    assert "marker 6, 'nose', is" in capfd.readouterr().out
+    settings.active_marker = 5
+    assert "This pair is" in text(draw(panels["transfer"]))
+    settings.active_marker = 4
+    assert "This pair is" not in text(draw(panels["transfer"]))
+    bpy.ops.lissom.marker_remove(index=0)
+    assert marked_rows() == [4]
+    settings.markers[4].target = right
+    assert marked_rows() == []
+    bpy.ops.lissom.transfer_fit()
+    assert marked_rows() == []
+
+
+def test_how_sure_a_fit_without_markers_is(panels):
+    monkeys()
+    bpy.ops.lissom.transfer_fit()
+    assert "% sure" not in text(draw(panels["transfer"]))
+    bpy.ops.lissom.marker_clear()
+    bpy.ops.lissom.transfer_fit()
+    sure = min(99, round(100 * session.fit.fit.report["certainty"]))
+    assert f"{sure} % sure how the meshes lie" in text(draw(panels["transfer"]))
 
 
 ARC = ("start", "end", "slider", *SETTINGS)

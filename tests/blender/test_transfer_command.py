@@ -63,6 +63,37 @@ def test_the_source_may_come_from_another_file(files):
     assert_array_equal(deltas(target, "ears"), expected["ears"])
 
 
+def test_without_markers_the_shapes_tell(files):
+    folder, _ = files
+    bpy.ops.wm.open_mainfile(filepath=str(folder / "both.blend"))
+    bpy.ops.lissom.marker_clear()
+    bpy.ops.wm.save_mainfile()
+    report = folder / "report.json"
+    asked = ("--file", folder / "both.blend", "--out", folder / "out.blend", "--report", report)
+    assert command(*asked) == 0
+    said = json.loads(report.read_text())
+    assert 0.5 < said["fit"]["certainty"] < 1 and said["doubtful_markers"] == []
+    assert said["fit"]["distance_mean_percent"] < 1
+
+
+def test_markers_out_of_place_are_reported(files):
+    folder, _ = files
+    path, report = folder / "markers.json", folder / "report.json"
+    document = json.loads(path.read_text())
+    pairs = document["pairs"]
+    wrong = pairs[2]["source"]
+    pairs[2]["target"], pairs[30]["target"] = pairs[30]["target"], pairs[2]["target"]
+    path.write_text(json.dumps(document))
+    asked = ("--file", folder / "both.blend", "--markers", path, "--out", folder / "out.blend")
+    assert command(*asked, "--report", report) == 0
+    said = json.loads(report.read_text())
+    assert said["fit"]["certainty"] == 1
+    doubtful = {row["source"]: row for row in said["doubtful_markers"]}
+    assert set(doubtful) == {wrong, pairs[30]["source"]}
+    assert doubtful[wrong]["name"] == pairs[2]["name"]
+    assert "away from where the others put it" in doubtful[wrong]["reason"]
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -72,6 +103,7 @@ def test_the_source_may_come_from_another_file(files):
         (("--file", "target.blend"), "There is no object named 'Source'"),
         (("--file", "target.blend", "--source-file", "target.blend"), "There is no object named 'Source'"),
         (("--file", "both.blend", "--match-distance", "0"), "--match-distance"),
+        (("--file", "both.blend", "--marker-tolerance", "-1"), "--marker-tolerance"),
         (("--file", "both.blend", "--tightness", "0"), "--tightness"),
     ],
 )

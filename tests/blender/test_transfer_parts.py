@@ -231,7 +231,7 @@ def test_a_key_that_turns_faces_over_is_bad_and_says_which(both):
     for k in range(0, count // 2, 2):
         one, other = settings.markers[k], settings.markers[count - 1 - k]
         one.target, other.target = other.target, one.target
-    bpy.ops.lissom.transfer_keys(source=names(sources), target=names(targets))
+    bpy.ops.lissom.transfer_keys(source=names(sources), target=names(targets), marker_tolerance=0)
     rows = transfer_parts.quality_rows(bpy.context.scene)
     assert rows[0]["verdict"] == "bad" and rows[0]["faces"]
     counts = {obj.name: len(obj.data.polygons) for obj in targets}
