@@ -7,8 +7,8 @@
 //! the target (R. W. Sumner, J. Popović, Deformation Transfer for Triangle Meshes, ACM Transactions on
 //! Graphics 23(3), 2004).
 //!
-//! 1. **Fit** ([`fit`]): the source is pulled onto the target, markers on markers, as smoothly as it
-//!    goes. Triangles that come to lie on each other belong together (`matching`). This takes no key
+//! 1. **Fit** ([`fit`]): the source is pulled onto the target, led by markers or by the shapes alone, as smoothly as
+//!    it goes. Triangles that come to lie on each other belong together (`matching`). This takes no key
 //!    and is done once.
 //! 2. **Apply** ([`apply`]): each target triangle is asked to change as its matches do (`choose`), the
 //!    target is stitched ([`crate::stitch`]), and its components are put in their place (`place`).
@@ -30,14 +30,11 @@ mod anchor;
 pub mod apply;
 pub mod attributes;
 mod choose;
-
 pub mod contact;
 pub mod corners;
 mod correspondence;
-
 pub mod fit;
 mod image;
-
 mod obstacle;
 mod options;
 mod place;

@@ -1,4 +1,15 @@
-//! Fit.
+//! Fit: pull the source onto the target, then read off what belongs together.
+//!
+//! After Sumner & Popović 2004, section 4; what differs is said where it does.
+//!
+//! 1. How the source *lies* on the target, by its markers less the `doubtful` ones, or by the shapes alone
+//!    (`markers`, `doubtful`, `lie`, [`super::alignment`]).
+//! 2. *Registration*: an energy that keeps the change smooth (`energy`) and pulls to where the source ought to be
+//!    (`pulls`, `look_up`), step by step (`registration`, `descent`).
+//! 3. *Diagnosis*: which triangles match, where vertices lie on the other mesh, and how good it is (`matching`,
+//!    `images`, `component_pairs`, `diagnosis`).
+//!
+//! `correspond` goes through them in turn. A `side` is one of the two meshes, with what of it takes part.
 
 mod component_pairs;
 mod correspond;

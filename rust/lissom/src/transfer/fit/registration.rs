@@ -8,7 +8,9 @@
 //! to [`FitOptions::closest`] while `w_M` falls: markers say what belongs together, but the hand that placed them is
 //! less exact than the surface (Sumner & Popović 2004 keep them exact, and [`FitOptions::marker_tolerance`] 0 does). In
 //! the end a marker counts by how near the fit has come to it, `mu = (1 + (|x - c| / s)^2)^-2` with a fraction `s`
-//! of the tolerance (Geman & McClure 1987): one that is exact holds, one that is off lets go.
+//! of the tolerance (Geman & McClure 1987): one that is exact holds, one that is off lets go. How exactly they were
+//! placed they say themselves, by their scatter ([`super::doubtful`]): where that is below the tolerance, `w_M` and `s` are
+//! as many times larger.
 //!
 //! The weights are for a target of diagonal 10, whatever the units of the meshes.
 
@@ -40,6 +42,9 @@ const KEPT: f64 = 2e3;
 
 /// `s`, in tolerances.
 const KEPT_WITHIN: f64 = 0.15;
+
+/// Least scatter of markers: faces differ by more, and it is divided by.
+const LEAST_SCATTER: f64 = 1e-4;
 
 /// The markers' weight where they are exact but not at vertices.
 const EXACT: f64 = 1e6;
@@ -94,7 +99,7 @@ pub fn register(
         follow_markers(&energy, markers, &mut u)?;
     }
 
-    let trust = (options.marker_tolerance / scatter.max(1e-4)).max(1.0);
+    let trust = (options.marker_tolerance / scatter.max(LEAST_SCATTER)).max(1.0);
     let mut look_up = LookUp::new(source, target, options.match_distance);
     let total = options.steps * options.rounds;
     for step in 0..options.steps {
