@@ -392,7 +392,8 @@ mod tests {
             [ring(12, 20, 10), ring(15, 28, 14)],
             [ring(12, 20, 15), ring(15, 28, 21)],
         ];
-        let fit = fit_correspondence(&source, &target, Some(&markers), &FitOptions::default(), &Job::default());
+        let fit =
+            fit_correspondence(&source, &target, Some(&markers), &FitOptions::default(), &Job::default());
         (source, target, fit.unwrap().matches.pairs)
     }
 
