@@ -161,7 +161,7 @@ fn same(source: &Mesh, target: &Mesh, warnings: Vec<String>) -> Fit {
         flipped: Vec::new(),
         marker_distances: Vec::new(),
         doubtful_markers: Vec::new(),
-        report: FitReport { warnings, ..FitReport::default() },
+        report: FitReport { warnings, certainty: 1.0, ..FitReport::default() },
     }
 }
 

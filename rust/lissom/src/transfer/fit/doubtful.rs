@@ -24,8 +24,11 @@ const SMOOTHING: f64 = 0.01;
 /// A marker is doubtful from so many times the tolerance on, ...
 const TOLERANCES: f64 = 3.0;
 
-/// ... and from so many times on what the others are off by at the median.
-const MEDIANS: f64 = 4.0;
+/// ... and from so many times on what the others are off by at the median, over what is known of them.
+const MEDIANS: f64 = 6.0;
+
+/// A tolerance below is that of rounding, in unit coordinates.
+const LEAST: f64 = 1e-3;
 
 /// Most of the markers that may be left out.
 const MOST: f64 = 0.2;
@@ -44,15 +47,17 @@ pub fn doubtful(markers: &[Marker], tolerance: f64) -> Doubts {
     let mut kept: Vec<usize> = (0..markers.len()).collect();
     let (mut found, mut scatter) = (Vec::new(), tolerance);
     while kept.len() >= FEWEST && (found.len() as f64) < MOST * markers.len() as f64 {
-        let off: Vec<f64> =
-            kept.iter().map(|&i| markers[i].goal.distance(expected(markers, &kept, i))).collect();
-        let mut sorted = off.clone();
-        sorted.sort_unstable_by(f64::total_cmp);
-        scatter = sorted[sorted.len() / 2];
-        let limit = (TOLERANCES * tolerance).max(MEDIANS * scatter);
-        let worst = (0..kept.len()).max_by(|&a, &b| off[a].total_cmp(&off[b]));
-        match worst.filter(|&w| off[w] > limit) {
-            Some(worst) => found.push((kept.remove(worst), off[worst])),
+        let all: Vec<[f64; 2]> = kept.iter().map(|&i| off(markers, &kept, i)).collect();
+        let median = |which: usize| {
+            let mut sorted: Vec<f64> = all.iter().map(|off| off[which]).collect();
+            sorted.sort_unstable_by(f64::total_cmp);
+            sorted[sorted.len() / 2]
+        };
+        scatter = median(0);
+        let limits = [TOLERANCES * tolerance.max(LEAST), MEDIANS * median(1)];
+        let worst = (0..kept.len()).max_by(|&a, &b| all[a][1].total_cmp(&all[b][1]));
+        match worst.filter(|&w| (0..2).all(|which| all[w][which] > limits[which])) {
+            Some(worst) => found.push((kept.remove(worst), all[worst][0])),
             None => break,
         }
     }
@@ -60,8 +65,9 @@ pub fn doubtful(markers: &[Marker], tolerance: f64) -> Doubts {
     Doubts { markers: found, scatter }
 }
 
-/// Where the others among `kept` put marker `i`.
-fn expected(markers: &[Marker], kept: &[usize], i: usize) -> Vec3 {
+/// How far marker `i` is from where the others among `kept` put it, and over what they let it vary, the root of the
+/// variance of kriging (Matheron 1963): what lies outside of all others is not known by them.
+fn off(markers: &[Marker], kept: &[usize], i: usize) -> [f64; 2] {
     let at = markers[i].rest;
     let mut around: Vec<usize> = kept.iter().copied().filter(|&j| j != i).collect();
     around.sort_by(|&a, &b| markers[a].rest.distance(at).total_cmp(&markers[b].rest.distance(at)));
@@ -83,7 +89,15 @@ fn expected(markers: &[Marker], kept: &[usize], i: usize) -> Vec3 {
             }
         }
     };
-    let goal = |row: usize| if row < k { markers[around[row]].goal } else { Vec3::ZERO };
-    let solved = dense::solve(k + 4, entry, &(0..k + 4).map(goal).collect::<Vec<_>>());
-    (0..k).map(|j| solved[j] * -point(j).length()).sum::<Vec3>() + solved[k]
+    // How much each of them counts in what is expected at the origin.
+    let to = |row: usize| match row {
+        _ if row < k => -point(row).length(),
+        _ if row == k => 1.0,
+        _ => 0.0,
+    };
+    let solved = dense::solve(k + 4, entry, &(0..k + 4).map(|row| Vec3::X * to(row)).collect::<Vec<_>>());
+    let expected: Vec3 = (0..k).map(|j| markers[around[j]].goal * solved[j].x).sum();
+    let variance: f64 = -(0..k + 4).map(|row| solved[row].x * to(row)).sum::<f64>();
+    let off = markers[i].goal.distance(expected);
+    [off, off / variance.max(SMOOTHING).sqrt()]
 }
