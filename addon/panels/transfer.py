@@ -205,8 +205,8 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             draw_lines(
                 layout,
                 "INFO",
-                "Press Pick, then click a place on one mesh and the same place on the other. "
-                "Ten or more pairs suit a face",
+                "If the fit is off, press Pick, then click a place on one mesh and the same place on the "
+                "other: corners of eyes and mouth tell most",
             )
 
     def _draw_fit(self, layout, context):
