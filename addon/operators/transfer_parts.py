@@ -57,6 +57,11 @@ class LISSOM_OT_transfer_parts(bpy.types.Operator):
             parts.add().object = obj
 
 
+def _judged(operator_class, context):
+    there = len(context.scene.lissom_transfer.quality)
+    return allowed(operator_class, "" if there else "Transfer with Check Quality first")
+
+
 class LISSOM_OT_quality_save(ExportHelper, bpy.types.Operator):
     """Write what was said about each transferred shape key to a JSON file"""
 
@@ -69,8 +74,7 @@ class LISSOM_OT_quality_save(ExportHelper, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        there = len(context.scene.lissom_transfer.quality)
-        return allowed(cls, "" if there else "Transfer with Check Quality first")
+        return _judged(cls, context)
 
     @answering
     def execute(self, context):
@@ -95,8 +99,7 @@ class LISSOM_OT_quality_select(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        there = len(context.scene.lissom_transfer.quality)
-        return allowed(cls, "" if there else "Transfer with Check Quality first")
+        return _judged(cls, context)
 
     @answering
     def execute(self, context):

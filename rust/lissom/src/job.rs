@@ -3,7 +3,12 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use rayon::prelude::*;
+
 use crate::{Error, Result};
+
+/// Items worked on between two looks at the job.
+const BATCH: usize = 4096;
 
 /// A handle shared by the thread that works and the one that watches.
 ///
@@ -56,5 +61,19 @@ impl Job {
     /// [`Error::Cancelled`] once the watcher has asked to stop.
     pub fn check(&self) -> Result<()> {
         if self.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
+    }
+
+    /// `of(0), of(1), ...` on all threads, with a look at the job now and then.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Cancelled`], see [`Job::check`].
+    pub fn in_batches<T: Send>(&self, count: usize, of: impl Fn(usize) -> T + Sync) -> Result<Vec<T>> {
+        let mut all = Vec::with_capacity(count);
+        for start in (0..count).step_by(BATCH) {
+            self.check()?;
+            all.par_extend((start..count.min(start + BATCH)).into_par_iter().map(&of));
+        }
+        Ok(all)
     }
 }

@@ -91,8 +91,7 @@ pub fn conclude(
         let masked = fitted.side.masked_vertex[v];
         (!masked).then(|| onto.closest(x[v], fitted.normals[v], f64::INFINITY, None, 0.0)).flatten()
     };
-    job.check()?;
-    let hits: Vec<Option<Hit>> = (0..x.len()).into_par_iter().map(closest).collect();
+    let hits: Vec<Option<Hit>> = job.in_batches(x.len(), closest)?;
     let found = || hits.iter().flatten().map(|h| h.distance);
     let mean = found().sum::<f64>() / found().count().max(1) as f64;
     let largest = found().fold(0.0, f64::max);

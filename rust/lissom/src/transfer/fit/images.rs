@@ -3,14 +3,9 @@
 //! The image of a vertex is the closest point of the other surface that faces the same way, in the partner of
 //! its component where that has one ([`super::component_pairs`]).
 
-use rayon::prelude::*;
-
 use super::side::Placed;
 use crate::transfer::image::SurfacePoint;
 use crate::{Job, Result};
-
-/// Vertices looked up between two looks at the job.
-const BATCH: usize = 4096;
 
 /// The image of every vertex of `of` on the triangles of `on`, both where the fit has put them; `None` beyond
 /// `reach`, on other components than the partner, and where nothing faces the same way. Triangles count as those
@@ -41,11 +36,5 @@ pub fn images(
             weights: surface.weights(hit.triangle, hit.point),
         })
     };
-    let count = mesh.rest().len();
-    let mut found = Vec::with_capacity(count);
-    for start in (0..count).step_by(BATCH) {
-        job.check()?;
-        found.par_extend((start..count.min(start + BATCH)).into_par_iter().map(image));
-    }
-    Ok(found)
+    job.in_batches(mesh.rest().len(), image)
 }

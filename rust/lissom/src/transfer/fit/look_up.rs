@@ -7,8 +7,6 @@
 //! other mesh just ends. Where another part of the source is nearer to that point, as the lips are to what the bag
 //! behind them would be drawn to, that part has it: a pull counts by the square of how much nearer it is.
 
-use rayon::prelude::*;
-
 use super::component_pairs::{ComponentPairs, Overlap};
 use super::pulls::Pull;
 use super::side::{Placed, Side};
@@ -16,9 +14,6 @@ use crate::geometry::surface::Hit;
 use crate::geometry::triangle::vertex_normals;
 use crate::operators::mass::lumped_mass;
 use crate::{Job, Result, Vec3};
-
-/// Points looked up between two looks at the job.
-const BATCH: usize = 4096;
 
 /// `s`, a fraction of the reach.
 const FADING: f64 = 0.25;
@@ -54,7 +49,7 @@ impl<'a> LookUp<'a> {
     pub fn find_partners(&mut self, x: &[Vec3], job: &Job) -> Result<f64> {
         let components = self.source.mesh.components();
         let normals = vertex_normals(self.source.mesh.triangles(), x);
-        let found = in_batches(x.len(), job, |v| {
+        let found = job.in_batches(x.len(), |v| {
             let open = components.of_vertex(v).filter(|_| !self.source.masked_vertex[v])?;
             Some((v, open, self.target.closest(x[v], normals[v], f64::INFINITY, None, 0.0)?))
         })?;
@@ -96,7 +91,7 @@ impl<'a> LookUp<'a> {
             let along = share * fading(&hit, weight, reach);
             Some(plane([v as u32; 3], Vec3::X, hit.point, normal, along))
         };
-        Ok(in_batches(x.len(), job, pull)?.into_iter().flatten().collect())
+        Ok(job.in_batches(x.len(), pull)?.into_iter().flatten().collect())
     }
 
     /// The pulls by the target's vertices, in all at most as many as the source's.
@@ -121,7 +116,7 @@ impl<'a> LookUp<'a> {
             let counts = !self.source.is_on_border(hit.triangle, weights);
             counts.then(|| plane(corners, weights, point, normal, fading(&hit, weight, reach)))
         };
-        Ok(in_batches(n, job, pull)?.into_iter().flatten().collect())
+        Ok(job.in_batches(n, pull)?.into_iter().flatten().collect())
     }
 }
 
@@ -131,14 +126,4 @@ fn fading(hit: &Hit, weight: f64, reach: f64) -> f64 {
 
 fn plane(corners: [u32; 3], weights: Vec3, goal: Vec3, normal: Vec3, along: f64) -> Pull {
     Pull { corners, weights, goal, normal, along, across: along * ACROSS }
-}
-
-/// `of(0), of(1), ...`, with a look at the job now and then.
-fn in_batches<T: Send>(count: usize, job: &Job, of: impl Fn(usize) -> T + Sync) -> Result<Vec<T>> {
-    let mut all = Vec::with_capacity(count);
-    for start in (0..count).step_by(BATCH) {
-        job.check()?;
-        all.par_extend((start..count.min(start + BATCH)).into_par_iter().map(&of));
-    }
-    Ok(all)
 }

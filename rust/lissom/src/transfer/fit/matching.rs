@@ -7,14 +7,9 @@
 //! A triangle whose component has a partner ([`super::component_pairs`]) within reach is matched there, although
 //! another component may be nearer.
 
-use rayon::prelude::*;
-
 use super::component_pairs::{ComponentPairs, Overlap};
 use super::side::Placed;
 use crate::{Job, Result};
-
-/// Triangles looked up between two looks at the job.
-const BATCH: usize = 4096;
 
 /// For each triangle, its match.
 type Matches = Vec<Option<u32>>;
@@ -23,31 +18,22 @@ impl Placed<'_> {
     /// The match of every triangle in `other`; in the partner of its component where that is within
     /// reach.
     fn nearest(&self, other: &Placed, partner: &[Option<u32>], reach: f64, job: &Job) -> Result<Matches> {
-        let count = self.side.component.len();
-        let mut found = Vec::with_capacity(count);
-        for start in (0..count).step_by(BATCH) {
-            job.check()?;
-            let batch = (start..count.min(start + BATCH)).into_par_iter().map(|t| {
-                if self.side.masked[t] {
-                    return None;
-                }
-                let (at, normal) = (self.surface.centroid(t), self.surface.normals()[t]);
-                // Reach is measured to the surface: centroids of large triangles are far from anything.
-                let look = |accept: &(dyn Fn(usize) -> bool + Sync)| {
-                    other.surface.closest_compatible_point_on(at, normal, reach, accept)?;
-                    other.surface.closest_compatible_centroid(at, normal, accept)
-                };
-                let partner = partner[self.side.component[t] as usize];
-                let hit = partner
-                    .and_then(|partner| {
-                        look(&|s| other.side.component[s] == partner && !other.side.masked[s])
-                    })
-                    .or_else(|| look(&|s| !other.side.masked[s]));
-                hit.map(|hit| hit.triangle as u32)
-            });
-            found.par_extend(batch);
-        }
-        Ok(found)
+        job.in_batches(self.side.component.len(), |t| {
+            if self.side.masked[t] {
+                return None;
+            }
+            let (at, normal) = (self.surface.centroid(t), self.surface.normals()[t]);
+            // Reach is measured to the surface: centroids of large triangles are far from anything.
+            let look = |accept: &(dyn Fn(usize) -> bool + Sync)| {
+                other.surface.closest_compatible_point_on(at, normal, reach, accept)?;
+                other.surface.closest_compatible_centroid(at, normal, accept)
+            };
+            let partner = partner[self.side.component[t] as usize];
+            let hit = partner
+                .and_then(|partner| look(&|s| other.side.component[s] == partner && !other.side.masked[s]))
+                .or_else(|| look(&|s| !other.side.masked[s]));
+            hit.map(|hit| hit.triangle as u32)
+        })
     }
 }
 
