@@ -95,9 +95,7 @@ class Memory(NamedTuple):
 def summary(report):
     """How good a fit is, in one line."""
     certainty = report["certainty"]
-    # The core refuses where it is lost: 0 is that of the same faces, where there was nothing to find out.
-    unsure = 0 < certainty < 1
-    sure = f", {min(99, round(100 * certainty))} % sure how the meshes lie" if unsure else ""
+    sure = f", {min(99, round(100 * certainty))} % sure how the meshes lie" if certainty < 1 else ""
     return (
         f"Fit: {report['distance_mean_percent']:.2f} % off on average, "
         f"{report['unmatched_target_percent']:.1f} % of the target unmatched{sure}"

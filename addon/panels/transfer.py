@@ -205,7 +205,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             draw_lines(
                 layout,
                 "INFO",
-                "If the fit is off, press Pick, then click a place on one mesh and the same place on the "
+                "Press Pick where the fit is off, then click a place on one mesh and the same place on the "
                 "other: corners of eyes and mouth tell most",
             )
 
