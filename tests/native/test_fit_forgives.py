@@ -10,6 +10,7 @@ import pytest
 from faces import diagonal, root_mean_square, triangulate
 
 FACE, SKIN = 9409, 14062  # vertices of the face come first, then what else is skin
+MOUTH = 11240, 13294  # the socket of the mouth
 
 
 class Head:
@@ -118,6 +119,24 @@ def test_what_only_one_side_has_pulls_and_holds_nothing(data, of_source, of_targ
     assert times < most, f"{times} times the best"
     assert fit.report["flipped_triangles"] == 0
     assert not fit.report["warnings"], "markers that are right are not blamed"
+
+
+def test_a_mouth_masked_on_both_costs_the_face_nothing(data):
+    head = Head(data, SKIN)
+    vertices, faces, place, order = shuffled(head.rest, head.faces)
+    inside = np.arange(*MOUTH)
+    markers = np.column_stack([head.landmarks, place[head.landmarks]])
+    fit, keys = carried(
+        lissom.Mesh(head.rest, head.faces),
+        lissom.Mesh(vertices, faces),
+        markers,
+        head.rest + head.offsets,
+        source_mask=inside,
+        target_mask=place[inside],
+    )
+    errors = head.errors(keys, vertices, head.offsets[:, order], order < FACE)
+    assert np.median(errors) < 0.005
+    assert fit.report["flipped_triangles"] == 0
 
 
 @pytest.mark.parametrize("degrees", [10, 30, 90])
