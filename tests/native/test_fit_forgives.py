@@ -211,3 +211,77 @@ def test_more_rounds_do_not_make_it_worse(data):
     # Measured 1.05 and 1.0: what is left between them is noise of the clicks. By closest points it was 2.5.
     assert np.median(many) < 1.1 * np.median(few)
     assert np.percentile(many, 90) < 1.1 * np.percentile(few, 90)
+
+
+def test_markers_far_outside_are_named_and_left_out(data):
+    head = Head(data)
+    person = head.person(1)
+    vertices, faces, place, order = shuffled(person, head.faces)
+    wrong = [8, 30, 36, 45, 57]
+    points = person[head.landmarks].copy()
+    points[wrong] += np.random.default_rng(0).normal(size=(len(wrong), 3)) * diagonal(person)
+    markers = np.column_stack([head.landmarks, place[head.landmarks]])
+    source = lissom.Mesh(head.rest, head.faces)
+    fit, keys = carried(source, lissom.Mesh(vertices, faces), markers, head.rest + head.offsets, points)
+    assert fit.doubtful_markers.tolist() == wrong
+    assert np.median(head.errors(keys, vertices, head.offsets[:, order])) < 1.1 * head.best(person)
+
+
+@pytest.mark.parametrize("where", ["left half", "round one eye", "on one line"])
+def test_markers_all_in_one_place_do(data, where):
+    head = Head(data)
+    person = head.person(1)
+    vertices, faces, place, order = shuffled(person, head.faces)
+    chosen = {
+        "left half": head.landmarks[head.rest[head.landmarks, 0] > 1],
+        "round one eye": head.landmarks[36:42],
+        "on one line": head.landmarks[27:31],
+    }[where]
+    source = lissom.Mesh(head.rest, head.faces)
+    markers = np.column_stack([chosen, place[chosen]])
+    fit, keys = carried(source, lissom.Mesh(vertices, faces), markers, head.rest + head.offsets)
+    assert np.median(head.errors(keys, vertices, head.offsets[:, order])) < 1.25 * head.best(person)
+    assert fit.report["flipped_triangles"] == 0
+
+
+@pytest.mark.parametrize("wrong", ["left and right exchanged", "shuffled", "all at one point", "inside out"])
+def test_markers_or_targets_that_are_all_wrong_get_a_warning(data, wrong):
+    head = Head(data)
+    person = head.person(1)
+    vertices, faces, place, _ = shuffled(person, head.faces)
+    points = person[head.landmarks].copy()
+    if wrong == "left and right exchanged":
+        points = mirrored(points)
+    elif wrong == "shuffled":
+        points = points[np.random.default_rng(2).permutation(len(points))]
+    elif wrong == "all at one point":
+        points[:] = points[30]
+    else:
+        faces = faces[:, ::-1]
+    markers = np.column_stack([head.landmarks, place[head.landmarks]])
+    source, target = lissom.Mesh(head.rest, head.faces), lissom.Mesh(vertices, faces)
+    fit = lissom.fit_correspondence(source, target, markers, points)
+    assert fit.report["flipped_triangles"] > 100
+    assert any("face against the target" in warning for warning in fit.report["warnings"])
+
+
+def mirrored(points):
+    """Each of the face's landmarks at the place of the one that is its like on the other side."""
+    across = points * [-1, 1, 1] + [2 * points[27:31, 0].mean(), 0, 0]
+    return points[[np.argmin(((points - point) ** 2).sum(axis=1)) for point in across]]
+
+
+@pytest.mark.parametrize("other", ["square", "stanford-bunny"])
+def test_targets_with_nothing_in_common_are_refused_without_markers(data, other):
+    if other == "square":
+        x, y = (axis.ravel() for axis in np.meshgrid(np.arange(40.0), np.arange(40.0)))
+        number = np.arange(1600).reshape(40, 40)
+        a, b, c, d = (n.ravel() for n in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]))
+        faces = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+        target = lissom.Mesh(np.column_stack([x, y, 0 * x]), faces)
+    else:
+        models = data("models")
+        target = lissom.Mesh(models[f"{other}_vertices"], models[f"{other}_faces"])
+    head = Head(data)
+    with pytest.raises(lissom.InvalidConstraint, match="too little in common"):
+        lissom.fit_correspondence(lissom.Mesh(head.rest, head.faces), target)
