@@ -7,6 +7,7 @@
 //! | contact gap | how much wider apart than on the source are the places that meet there |
 //! | closing | the part of the way to where they meet that they have gone |
 //! | strength | root mean square displacement over what the anchors ask for ([`super::anchor`]) |
+//! | covered | the part of the source's motion that has a counterpart on the target |
 //! | crooked | left against right, where both meshes and the source's key are symmetric ([`super::symmetry`]) |
 //! | residual | `sqrt(sum_t w_t \|grad_t d - D_t\|^2 / sum_t w_t \|D_t\|^2)`, with `D_t = (C_t - I)(I - n n^T)`: how far stitching is from what was asked |
 //!
@@ -101,17 +102,25 @@ impl Transfer {
         job.report(0.0, "quality");
         job.check()?;
         let mirrors = Mirror::of_both(&self.source, &self.target);
+        let mut matched = vec![false; self.source.triangles().len()];
+        self.used.pairs.iter().for_each(|pair| matched[pair[0] as usize] = true);
         job.report(0.2, "quality");
         let found = poses.par_iter().zip(carried).map(|(pose, carried)| {
             job.check()?;
-            Ok(self.quality_of(&self.turned(pose), carried, &mirrors))
+            Ok(self.quality_of(&self.turned(pose), carried, &mirrors, &matched))
         });
         let found: Result<Vec<KeyQuality>> = found.collect();
         job.report(1.0, "quality");
         found
     }
 
-    fn quality_of(&self, pose: &[Vec3], carried: &[Vec3], mirrors: &[[Mirror; 2]]) -> KeyQuality {
+    fn quality_of(
+        &self,
+        pose: &[Vec3],
+        carried: &[Vec3],
+        mirrors: &[[Mirror; 2]],
+        matched: &[bool],
+    ) -> KeyQuality {
         let target = &*self.target;
         let key = SourceKey::of(&self.source, pose);
         let moved = self.chooser.displacements(&key);
@@ -146,7 +155,8 @@ impl Transfer {
             if motion > UNSEEN { mirrors.iter().map(beyond).fold(0.0, f64::max) } else { 0.0 }
         });
         let along = contacts.iter().map(Contact::length).sum();
-        let mut found = Findings { turned, torn, along, gap, closing, strength, crooked };
+        let covered = self.covered(&key, matched);
+        let mut found = Findings { turned, torn, along, gap, closing, strength, crooked, covered };
         if self.closes_contacts() && found.closes() {
             // Lids of larger eyes have a longer way than the source's.
             found.strength = strength.min(1.0);
@@ -177,6 +187,19 @@ impl Transfer {
             crooked,
             motion: 100.0 * motion,
             residual,
+        }
+    }
+
+    /// What part of the source's motion is on triangles that are `matched`; 1 where nothing is seen to move.
+    fn covered(&self, key: &SourceKey, matched: &[bool]) -> f64 {
+        let motion = |t: usize| self.source.areas()[t] * key.shift(t as u32).length_squared();
+        let of =
+            |which: &dyn Fn(usize) -> bool| (0..matched.len()).filter(|&t| which(t)).map(motion).sum::<f64>();
+        let all = of(&|_| true);
+        if all > UNSEEN.powi(2) * self.source.areas().iter().sum::<f64>() {
+            of(&|t| matched[t]) / all
+        } else {
+            1.0
         }
     }
 

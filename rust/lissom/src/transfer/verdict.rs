@@ -50,6 +50,10 @@ const STRENGTH: [f64; 2] = [4.0 / 3.0, 2.5];
 /// side reads as crooked, one of a half as a smirk.
 const CROOKED: [f64; 2] = [0.2, 0.5];
 
+/// What part of the source's motion has a counterpart. The skin moves more than what lines it, so half of it is enough to
+/// make out an expression; where a tenth is left, it was made for something that the target has not.
+const COVERED: [f64; 2] = [0.5, 0.1];
+
 /// What is known about a key before it is judged.
 #[derive(Debug, Clone, Copy)]
 pub struct Findings {
@@ -67,6 +71,8 @@ pub struct Findings {
     pub strength: f64,
     /// Difference of left and right beyond that of the source.
     pub crooked: f64,
+    /// What part of the source's motion has a counterpart on the target.
+    pub covered: f64,
 }
 
 impl Findings {
@@ -93,6 +99,10 @@ pub fn judge(found: &Findings) -> (Verdict, Vec<String>) {
         (grade(found.torn.1, TORN), format!("{} torn", triangles(found.torn.0))),
         (found.open(), format!("closes only {} % of the way", percent(found.closing))),
         (grade(off, STRENGTH), format!("moves {only}{} % as far as on the source", percent(found.strength))),
+        (
+            grade(-found.covered, COVERED.map(|part| -part)),
+            format!("only {} % of what moves on the source has a counterpart", percent(found.covered)),
+        ),
         (
             grade(found.crooked, CROOKED),
             format!("left and right differ by {} % of the motion", percent(found.crooked)),
@@ -126,6 +136,7 @@ mod tests {
         closing: 1.0,
         strength: 1.0,
         crooked: 0.0,
+        covered: 1.0,
     };
 
     #[test]
@@ -144,6 +155,12 @@ mod tests {
             reasons,
             ["moves 160 % as far as on the source", "left and right differ by 30 % of the motion"]
         );
+    }
+
+    #[test]
+    fn what_has_no_counterpart_cannot_be_good() {
+        let of = |covered| judge(&Findings { covered, ..FINE }).0;
+        assert_eq!([0.6, 0.4, 0.0].map(of), [Verdict::Good, Verdict::Look, Verdict::Bad]);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::diagnosis::{Fit, FitReport, conclude};
 use super::doubtful::doubtful;
 use super::lie::Lie;
-use super::markers::{self, Marker};
+use super::markers::{self, Marker, PROPORTIONS};
 use super::options::FitOptions;
 use super::registration::register;
 use super::side::{Placed, Side};
@@ -74,6 +74,13 @@ pub fn fit_correspondence(
             let points = points.each_ref().map(Vec::as_slice);
             let found = markers::check(source, target, &pairs, points, &mut warnings)?;
             let doubts = doubtful(&found, options.marker_tolerance);
+            if doubts.scatter > PROPORTIONS.max(options.marker_tolerance) {
+                warnings.push(format!(
+                    "markers: any of them is {:.0} % of the target's diagonal away from where the others put it: many \
+                     are misplaced or exchanged, or the meshes have little in common",
+                    100.0 * doubts.scatter
+                ));
+            }
             let trusted: Vec<Marker> = match options.marker_tolerance {
                 0.0 => found.clone(),
                 _ => without(&found, &doubts.markers),

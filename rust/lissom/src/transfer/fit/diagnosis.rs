@@ -20,6 +20,10 @@ const FLIPPED: f64 = 0.01;
 /// A triangle is reported as stretched from here on: three times as long as the usual one, or a third as wide.
 pub const STRETCHED: f64 = 3.0;
 
+/// In percent: meshes of which more than this has no counterpart, on either side, are hardly of the same thing. Of one
+/// side alone it says nothing: a face is a small part of a body.
+const UNCOVERED: f64 = 50.0;
+
 /// A source that has been pulled onto a target.
 #[derive(Debug, Clone, Default)]
 pub struct Fit {
@@ -67,7 +71,8 @@ pub struct FitReport {
     pub unmatched_source_percent: f64,
     /// Their share of the target's area, in percent.
     pub unmatched_target_percent: f64,
-    /// How sure it is that the meshes lie on each other as they were laid, 0-1; 1 by markers.
+    /// How sure it is that the meshes lie on each other as they were laid, 0-1; 1 by markers, less where little of either
+    /// has a counterpart.
     pub certainty: f64,
     /// Rounds of closest points.
     pub rounds: usize,
@@ -126,6 +131,14 @@ pub fn conclude(
         } else {
             (report.unmatched_target_triangles, report.unmatched_target_percent) = (count, percent);
         }
+    }
+    let uncovered = report.unmatched_source_percent.min(report.unmatched_target_percent);
+    if !pairs.is_empty() && uncovered > UNCOVERED {
+        report.certainty *= (100.0 - uncovered) / (100.0 - UNCOVERED);
+        report.warnings.push(format!(
+            "{uncovered:.0} % of either mesh has no counterpart on the other: they have little in common, or do not lie \
+             on each other; look at the fit and the markers"
+        ));
     }
     if pairs.is_empty() {
         report.warnings.push("no triangle of the source has a match: the fit has failed".into());

@@ -52,6 +52,8 @@ pub struct Energy<'a> {
     slot: Vec<Option<u32>>,
     matrix: SymmetricMatrix,
     symbolic: Symbolic,
+    /// `A_i`
+    reference: Vec<Mat3>,
 }
 
 /// The unknowns of a triangle, and the vectors that `B` multiplies them with.
@@ -126,7 +128,8 @@ impl<'a> Energy<'a> {
         let matrix = SymmetricMatrix::from_entries(unknowns as usize, entries);
         let symbolic = Symbolic::analyse(&matrix)?;
         let neighbours = Rows::sort(m, pairs.iter().flat_map(|&[i, j]| [(i, j), (j, i)]));
-        Ok(Self { mesh, size, weights, elements, neighbours, slot, matrix, symbolic })
+        let reference = vec![Mat3::IDENTITY; m];
+        Ok(Self { mesh, size, weights, elements, neighbours, slot, matrix, symbolic, reference })
     }
 
     /// The unknowns of the mesh at rest.
@@ -155,30 +158,32 @@ impl<'a> Energy<'a> {
         self.symbolic.factor(&matrix)
     }
 
-    /// `Q_i` less `identity` times the identity.
-    fn changes(&self, u: &[Vec3], identity: f64) -> Vec<Mat3> {
-        let change = |element: &Element| {
-            let sum: Mat3 = element.iter().map(|&(a, row)| outer(u[a as usize], row)).sum();
-            sum - Mat3::IDENTITY * identity
-        };
+    /// Takes the changes at `u` as what triangles keep to, ...
+    pub fn refer(&mut self, u: &[Vec3]) {
+        self.reference = self.changes(u);
+    }
+
+    /// `Q_i`
+    fn changes(&self, u: &[Vec3]) -> Vec<Mat3> {
+        let change = |element: &Element| element.iter().map(|&(a, row)| outer(u[a as usize], row)).sum();
         self.elements.par_iter().with_min_len(GRAIN).map(change).collect()
     }
 
     /// Half the gradient of `E` at `u`; by fixed unknowns too.
     pub fn gradient(&self, u: &[Vec3]) -> Vec<Vec3> {
-        self.transposed(&self.changes(u, 1.0))
+        self.transposed(&self.changes(u), |i| self.reference[i])
     }
 
     /// Half the Hessian of `E` times `d`.
     pub fn curvature(&self, d: &[Vec3]) -> Vec<Vec3> {
-        self.transposed(&self.changes(d, 0.0))
+        self.transposed(&self.changes(d), |_| Mat3::ZERO)
     }
 
-    fn transposed(&self, changes: &[Mat3]) -> Vec<Vec3> {
+    fn transposed(&self, changes: &[Mat3], reference: impl Fn(usize) -> Mat3 + Sync) -> Vec<Vec3> {
         let TermWeights { smoothness, identity } = self.weights;
         let of = |(i, &own): (usize, &Mat3)| {
             let around: Mat3 = self.neighbours.of(i).iter().map(|&j| own - changes[j as usize]).sum();
-            own * identity + around * (2.0 * smoothness)
+            (own - reference(i)) * identity + around * (2.0 * smoothness)
         };
         let weighted: Vec<Mat3> = changes.par_iter().enumerate().with_min_len(GRAIN).map(of).collect();
         let at_vertex = |v: usize| {

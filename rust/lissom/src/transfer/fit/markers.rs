@@ -16,6 +16,13 @@ const AT_VERTEX: f64 = 1e-9;
 /// A turn between the two sets of markers from which on the meshes are said to face different ways.
 const TURNED_DEGREES: f64 = 60.0;
 
+/// No proportions make markers scatter by more, in the target's unit coordinates: those of Suzanne and a human face do
+/// by 0.03.
+pub const PROPORTIONS: f64 = 0.06;
+
+/// Targets that are further from the surface than this are not on it, in its unit coordinates.
+const BESIDE: f64 = 0.05;
+
 /// A point of the source and where it belongs.
 #[derive(Debug, Clone, Copy)]
 pub struct Marker {
@@ -93,6 +100,17 @@ pub fn check(
         }
     };
     let found: Vec<Marker> = markers.iter().enumerate().map(marker).collect();
+    if !points[1].is_empty() {
+        let surface = Surface::of(target.triangles(), target.rest());
+        let beside = |m: &&Marker| surface.closest_point(m.goal).is_some_and(|hit| hit.distance > BESIDE);
+        let count = found.iter().filter(beside).count();
+        if count > 0 {
+            warnings.push(format!(
+                "markers: {count} of {} points are far beside the target: are they in its own coordinates?",
+                found.len()
+            ));
+        }
+    }
     let [rests, goals] = offsets(&found);
     if found.len() < 3 {
         warnings.push(format!("markers: only {}; three or more fix how the meshes lie", found.len()));

@@ -12,6 +12,10 @@
 //! placed they say themselves, by their scatter ([`super::doubtful`]): where that is below the tolerance, `w_M` and `s` are
 //! as many times larger.
 //!
+//! Where it is so far above the tolerance that this does not explain it, the shapes differ by that much, as a cartoon's
+//! do: the markers are trusted, and `E_I` holds against the step before in the place of rest, as a viscous fluid does
+//! (Christensen, Rabbitt & Miller 1996), which lets an eye grow to any size and still does not let it fold.
+//!
 //! The weights are for a target of diagonal 10, whatever the units of the meshes.
 
 use rayon::prelude::*;
@@ -20,7 +24,7 @@ use super::descent::Descent;
 use super::energy::{Energy, TermWeights};
 use super::lie::Lie;
 use super::look_up::LookUp;
-use super::markers::Marker;
+use super::markers::{Marker, PROPORTIONS};
 use super::options::FitOptions;
 use super::pulls::{self, Pull};
 use super::side::{Placed, Side};
@@ -45,6 +49,12 @@ const KEPT_WITHIN: f64 = 0.15;
 
 /// Least scatter of markers: faces differ by more, and it is divided by.
 const LEAST_SCATTER: f64 = 1e-4;
+
+/// Markers that scatter by more tolerances than this are not off by what they may be: the shapes differ so much.
+const EXPLAINED: f64 = 2.5;
+
+/// How many times less than the tolerance their scatter is then taken to be.
+const TRUSTED: f64 = 10.0;
 
 /// The markers' weight where they are exact but not at vertices.
 const EXACT: f64 = 1e6;
@@ -89,7 +99,7 @@ pub fn register(
     }
     let weights = TermWeights { smoothness: options.smoothness, identity: options.identity };
     // Vertices in no face have no energy: they stay where they are.
-    let energy =
+    let mut energy =
         Energy::new(mesh, *size, weights, |v| fixed[v].is_some() || components.of_vertex(v).is_none())?;
     let mut u = energy.rest();
     u[..n].iter_mut().for_each(|x| *x += *shift);
@@ -99,7 +109,11 @@ pub fn register(
         follow_markers(&energy, markers, &mut u)?;
     }
 
-    let trust = (options.marker_tolerance / scatter.max(LEAST_SCATTER)).max(1.0);
+    let other_proportions = (EXPLAINED * options.marker_tolerance..PROPORTIONS).contains(scatter);
+    let trust = match other_proportions {
+        true => TRUSTED,
+        false => (options.marker_tolerance / scatter.max(LEAST_SCATTER)).max(1.0),
+    };
     let mut look_up = LookUp::new(source, target, options.match_distance);
     let total = options.steps * options.rounds;
     for step in 0..options.steps {
@@ -109,6 +123,9 @@ pub fn register(
         let reach = (REACH[0] * (REACH[1] / REACH[0]).powf(fraction)).max(QUARTILES * off);
         let left = 1.0 - step as f64 / (options.steps.max(3) - 2) as f64;
         let falling = FALLING * left.max(0.0).powi(2);
+        if other_proportions {
+            energy.refer(&u);
+        }
         let mut descent = None;
         for round in 0..options.rounds {
             let placed = Placed::new(source, &u[..n]);
