@@ -104,6 +104,7 @@ fn same(source: &Mesh, target: &Mesh, warnings: Vec<String>) -> Fit {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Error;
     use crate::transfer::testing::{bumpy_grid, grid, nosed_sphere};
 
     fn fit(source: &Mesh, target: &Mesh, markers: &[[u32; 2]]) -> Result<Fit> {
