@@ -28,6 +28,7 @@ KINDS = {
     "choice": "one of",
     "vertices": "(k,) vertex indices",
     "points": "(k, 3) positions",
+    "curves": "list of (source vertices, target vertices)",
     "mesh": "a Mesh",
     "shapes": "list of (time, (n, 3) positions)",
 }
@@ -37,6 +38,7 @@ TYPES = {
     "float": "float",
     "vertices": "ArrayLike | None",
     "points": "ArrayLike | None",
+    "curves": "Sequence[tuple[ArrayLike, ArrayLike]] | None",
     "mesh": "Mesh | None",
     "shapes": "Sequence[tuple[float, ArrayLike]] | None",
 }

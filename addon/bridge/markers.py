@@ -1,4 +1,7 @@
-"""The marker pairs of a request: given as text, as a file, or in the scene's list."""
+"""The marker pairs and curves of a request: given as text, as a file, or in the scene's lists."""
+
+import json
+from itertools import pairwise
 
 import bpy
 import numpy as np
@@ -19,22 +22,26 @@ def pair_of_objects(context, source, target):
 
 
 def gather(context, sources, targets, text, filepath):
-    """The checked pairs (a list of core.markers.Marker) on the first objects of both sides, and warnings.
+    """The checked pairs and curves (of core.markers) on the first objects of both sides, and warnings.
 
-    The scene's list may be empty: then the shapes alone tell. What is given on purpose may not.
+    The scene's lists may be empty: then the shapes alone tell. What is given on purpose may not.
     """
     source, target = sources[0], targets[0]
     if text and filepath:
         raise Refused("Give the markers as text or as a file, not both")
     if text or filepath:
         loaded = markers.loads(text) if text else markers.load(bpy.path.abspath(filepath))
-        if not loaded.pairs:
+        if not (loaded.pairs or loaded.curves):
             raise Refused("The markers that were given hold no pairs: leave them out to do without any")
         pairs, warnings = of_file(loaded, source, target)
+        curves = curves_of_file(loaded, source, target)
     else:
         pairs, warnings = current(context.scene, source, target)
-    markers.check(pairs, len(source.data.vertices), len(target.data.vertices))
-    return pairs, warnings
+        curves = current_curves(context.scene, source, target)
+    counts = len(source.data.vertices), len(target.data.vertices)
+    markers.check(pairs, *counts)
+    markers.check_curves(curves, *counts)
+    return pairs, curves, warnings
 
 
 def needless(sources, targets):
@@ -56,12 +63,63 @@ def of_scene(scene):
     ]
 
 
+def curves_of_scene(scene):
+    """The scene's list of curves, as it stands there."""
+
+    def curve(row):
+        places = [json.loads(text) if text else None for text in (row.source_places, row.target_places)]
+        places = [None if one is None else tuple(map(tuple, one)) for one in places]
+        return markers.Curve(row.name, *(tuple(map(int, text.split())) for text in row.vertices), *places)
+
+    return [curve(row) for row in scene.lissom_transfer.curves]
+
+
 def current(scene, source, target):
     """The scene's pairs, found again by their places where a mesh was remodelled since; and warnings."""
-    settings, ends = scene.lissom_transfer, (source, target)
+    ends = source, target
+    return _found_again(of_scene(scene), ends, _remodelled(scene, ends))
+
+
+def current_curves(scene, source, target):
+    """The scene's curves, found again likewise."""
+    ends = source, target
+    return _curves_found_again(curves_of_scene(scene), ends, _remodelled(scene, ends))
+
+
+def curves_of_file(loaded, source, target):
+    """The curves of a file, found again by their places where it counts other vertices."""
+    counts = loaded.source_vertices, loaded.target_vertices
+    ends = source, target
+    changed = [count not in (None, len(obj.data.vertices)) for count, obj in zip(counts, ends, strict=True)]
+    return _curves_found_again(loaded.curves, ends, changed)
+
+
+def _remodelled(scene, ends):
+    settings = scene.lissom_transfer
     known = settings.source_edges, settings.target_edges
-    changed = [edges not in ("", edge_signature(obj.data)) for edges, obj in zip(known, ends, strict=True)]
-    return _found_again(of_scene(scene), ends, changed)
+    return [edges not in ("", edge_signature(obj.data)) for edges, obj in zip(known, ends, strict=True)]
+
+
+def _curves_found_again(curves, ends, changed):
+    curves = list(curves)
+    for side, obj, other in zip(SIDES, ends, changed, strict=True):
+        if not other or not curves:
+            continue
+        vertices, edges = rest_positions(obj.data), {frozenset(edge.vertices) for edge in obj.data.edges}
+        for number, curve in enumerate(curves):
+            places = getattr(curve, f"{side}_places")
+            if places is None or not len(vertices):
+                continue
+            found, away = marks.nearest(vertices, np.array(places))
+            found = tuple(found.tolist())
+            joined = all(frozenset(pair) in edges for pair in pairwise(found))
+            if not joined or away.max() > marks.FAR * marks.diagonal(vertices):
+                raise Refused(
+                    f"'{obj.name}' was remodelled where curve '{curve.name}' runs, or is another mesh: "
+                    "remove the curve, and add it anew"
+                )
+            curves[number] = curve._replace(**{side: found})
+    return curves
 
 
 def of_file(loaded, source, target):
@@ -123,6 +181,17 @@ def placed(pairs, source, target):
     ]
 
 
+def curves_placed(curves, source, target):
+    """The curves with the places that their vertices have now."""
+    for side, obj in zip(SIDES, (source, target), strict=True):
+        rest = rest_positions(obj.data)
+        curves = [
+            curve._replace(**{f"{side}_places": tuple(map(tuple, rest[list(getattr(curve, side))].tolist()))})
+            for curve in curves
+        ]
+    return curves
+
+
 def append(scene, pairs, source, target):
     """Adds pairs to the scene's list, the last as the active one; the others are found again first."""
     known, _ = current(scene, source, target)
@@ -130,12 +199,25 @@ def append(scene, pairs, source, target):
     scene.lissom_transfer.active_marker = len(scene.lissom_transfer.markers) - 1
 
 
-def put(scene, pairs, source=None, target=None):
-    """Makes these pairs the scene's list, with their places now; without objects, with those given."""
+def put(scene, pairs, source=None, target=None, curves=None):
+    """Makes these pairs the scene's list, with their places now; without objects, with those given.
+
+    So it does with ``curves``; by None those that are there are found again.
+    """
     settings = scene.lissom_transfer
     rows, ends = settings.markers, (source, target)
+    if curves is None:
+        curves = current_curves(scene, *ends) if all(ends) else curves_of_scene(scene)
     if all(ends):
-        pairs = placed(pairs, *ends)
+        pairs, curves = placed(pairs, *ends), curves_placed(curves, *ends)
+    settings.curves.clear()
+    for curve in curves:
+        row = settings.curves.add()
+        row.name = curve.name
+        row.source, row.target = curve.texts
+        for side in SIDES:
+            places = getattr(curve, f"{side}_places")
+            setattr(row, f"{side}_places", "" if places is None else json.dumps(places))
     while len(rows) > len(pairs):
         rows.remove(len(rows) - 1)
     while len(rows) < len(pairs):

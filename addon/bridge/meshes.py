@@ -78,6 +78,16 @@ def selected_vertices(obj):
     return np.flatnonzero(flags)
 
 
+def selected_edges(obj):
+    """(k, 2) vertices of the selected edges, as last seen in edit mode or, where it is in edit mode, now."""
+    obj.update_from_editmode()
+    mesh = obj.data
+    flags, ends = np.empty(len(mesh.edges), dtype=bool), np.empty(2 * len(mesh.edges), dtype=np.int32)
+    mesh.edges.foreach_get("select", flags)
+    mesh.edges.foreach_get("vertices", ends)
+    return ends.reshape(-1, 2)[flags]
+
+
 def select_only(obj, vertex):
     """Selects one vertex and nothing else of a mesh, in edit or in object mode."""
     if obj.mode == "EDIT":

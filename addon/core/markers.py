@@ -1,4 +1,4 @@
-"""Marker pairs and their file.
+"""Marker pairs, curves and their file.
 
 A marker says that vertex ``source`` of one mesh and vertex ``target`` of another are the same place. The
 file is JSON::
@@ -11,6 +11,13 @@ file is JSON::
 ``source`` and ``target`` of the whole are notes for the reader; only ``vertices`` is compared on loading. The
 places, in the objects' own coordinates, may be missing; where the count of vertices has changed, markers are
 found again by them. ``"mirror": false`` says that a pair has no counterpart on the other side.
+
+Curves, paths along edges of both meshes that belong together, follow where there are any::
+
+     "curves": [{"name": "left lid", "source": [4, 5, 9, 4], "target": [7, 2, 3, 7],
+                 "source_places": [[0.0, -1.2, 0.3], ...], "target_places": [...]}]
+
+One that ends with its first vertex is a loop.
 
 Lists as published transfer codes have them are read too: a pair of vertices a line, counted from 0, with a
 comma, a colon or a space between, as in ``1834, 92``; a .cons file has their number in a line before them.
@@ -32,6 +39,7 @@ VERSION = 1
 MAX_FILE_BYTES = 4 * 1024 * 1024
 MAX_DEPTH = 16
 MAX_PAIRS = 20_000
+MAX_CURVES = 1000
 
 _LINE_OF_LIST = re.compile(r"(\d{1,10})(?:\s*[,:\s]\s*(\d{1,10}))?$")
 _STRING_OR_BRACKET = re.compile(r'"(?:[^"\\]|\\.)*+(?:"|\Z|\\)|[\[\]{}]', re.DOTALL)
@@ -61,17 +69,41 @@ class Marker(NamedTuple):
         return self.source_place if side == "source" else self.target_place
 
 
+class Curve(NamedTuple):
+    """A path along edges of either mesh, by its vertices; a loop ends with its first.
+
+    Its places are those of the vertices at rest, in the objects' own coordinates, or None where unknown.
+    """
+
+    name: str
+    source: tuple
+    target: tuple
+    source_places: tuple | None = None
+    target_places: tuple | None = None
+
+    @property
+    def vertices(self):
+        """(source, target)."""
+        return self.source, self.target
+
+    @property
+    def texts(self):
+        """The same, with spaces between the vertices."""
+        return tuple(" ".join(map(str, side)) for side in self.vertices)
+
+
 class MarkerFile(NamedTuple):
     """What a file holds; a count of vertices is None where the file does not say."""
 
     pairs: list[Marker]
     source_vertices: int | None
     target_vertices: int | None
+    curves: list[Curve] = []
 
 
-def save(path, pairs, source, target):
-    """Writes pairs to ``path``; ``source`` and ``target`` are (name, vertex count) of the two meshes."""
-    text = dumps(pairs, source, target)
+def save(path, pairs, source, target, curves=()):
+    """Writes them to ``path``; ``source`` and ``target`` are (name, vertex count) of the two meshes."""
+    text = dumps(pairs, source, target, curves)
     with replacing(path, "w", encoding="utf-8") as file:
         file.write(text)
 
@@ -99,17 +131,17 @@ def load(path):
         raise Refused(f"Marker file '{path}': {error}") from error
 
 
-def dumps(pairs, source, target):
-    """The text of a marker file, one pair a line."""
+def dumps(pairs, source, target, curves=()):
+    """The text of a marker file, one pair or curve a line."""
     head = {
         "format": FORMAT,
         "version": VERSION,
         "source": {"name": source[0], "vertices": source[1]},
         "target": {"name": target[0], "vertices": target[1]},
     }
-    lines = ",\n".join("  " + json.dumps(_row(marker), ensure_ascii=False) for marker in pairs)
-    body = f"[\n{lines}\n ]" if pairs else "[]"
-    return json.dumps(head, ensure_ascii=False, indent=1)[:-2] + f',\n "pairs": {body}\n}}\n'
+    parts = {"pairs": list(map(_row, pairs))} | ({"curves": list(map(_known, curves))} if curves else {})
+    body = "".join(f',\n "{name}": {_listing(rows)}' for name, rows in parts.items())
+    return json.dumps(head, ensure_ascii=False, indent=1)[:-2] + f"{body}\n}}\n"
 
 
 def loads(text):
@@ -128,13 +160,35 @@ def loads(text):
     version = document.get("version")
     if not _is_index(version) or version != VERSION:
         raise Refused(f'"version" is {version!r:.40}, this release reads {VERSION}: update Lissom')
-    rows = document.get("pairs")
-    if not isinstance(rows, list):
-        raise Refused('"pairs" must be a list')
-    if len(rows) > MAX_PAIRS:
-        raise Refused(f'"pairs" holds {len(rows)} entries, more than {MAX_PAIRS}')
-    pairs = [_pair(number, row) for number, row in enumerate(rows)]
-    return MarkerFile(pairs, _vertices(document, "source"), _vertices(document, "target"))
+    found = []
+    for name, most, read in (("pairs", MAX_PAIRS, _pair), ("curves", MAX_CURVES, _curve)):
+        rows = document.get(name, [] if name == "curves" else None)
+        if not isinstance(rows, list):
+            raise Refused(f'"{name}" must be a list')
+        if len(rows) > most:
+            raise Refused(f'"{name}" holds {len(rows)} entries, more than {most}')
+        found.append([read(number, row) for number, row in enumerate(rows)])
+    pairs, curves = found
+    return MarkerFile(pairs, _vertices(document, "source"), _vertices(document, "target"), curves)
+
+
+def check_curves(curves, source_vertices, target_vertices):
+    """Refused where an index is out of range or two curves are the same on a mesh (rows 9 and 28)."""
+    for side, count in (("source", source_vertices), ("target", target_vertices)):
+        beyond = [curve for curve in curves if not 0 <= max(getattr(curve, side)) < count]
+        if beyond:
+            raise Refused(
+                f"The {side} mesh has {count} vertices, which these curves go beyond: "
+                f"{first(repr(curve.name) for curve in beyond)}. "
+                "Are source and target the meshes the curves were made for?"
+            )
+        seen = {}
+        for curve in curves:
+            other = seen.setdefault(frozenset(getattr(curve, side)), curve)
+            if other is not curve:
+                raise Refused(
+                    f"Curves '{other.name}' and '{curve.name}' are the same on the {side}: remove one of them"
+                )
 
 
 def check(pairs, source_vertices, target_vertices):
@@ -157,8 +211,17 @@ def check(pairs, source_vertices, target_vertices):
                 )
 
 
+def _listing(rows):
+    lines = ",\n".join("  " + json.dumps(row, ensure_ascii=False) for row in rows)
+    return f"[\n{lines}\n ]" if rows else "[]"
+
+
+def _known(entry):
+    return {name: value for name, value in entry._asdict().items() if value is not None}
+
+
 def _row(marker):
-    row = {name: value for name, value in marker._asdict().items() if value is not None}
+    row = _known(marker)
     if marker.mirror:
         del row["mirror"]
     return row
@@ -213,6 +276,39 @@ def _is_place(value):
     )
 
 
+def _name(kind, number, row, default):
+    name = row.get("name", default)
+    if not isinstance(name, str):
+        raise Refused(f'"{kind}" entry {number}: "name" must be text, not {name!r:.40}')
+    return name.encode(errors="ignore")[:MAX_BYTES].decode(errors="ignore")
+
+
+def _curve(number, row):
+    if not isinstance(row, dict):
+        raise Refused(f'"curves" entry {number} must be an object with "source" and "target"')
+    found = {"name": _name("curves", number, row, f"Curve {number + 1}")}
+    for side in ("source", "target"):
+        vertices, places = row.get(side), row.get(f"{side}_places")
+        if not isinstance(vertices, list) or len(vertices) < 2 or not all(map(_is_index, vertices)):
+            raise Refused(
+                f'"curves" entry {number}: "{side}" must be a list of two vertex indices or more, '
+                f"not {vertices!r:.40}"
+            )
+        if places is not None:
+            if (
+                not isinstance(places, list)
+                or len(places) != len(vertices)
+                or not all(map(_is_place, places))
+            ):
+                raise Refused(
+                    f'"curves" entry {number}: "{side}_places" must be three numbers for each vertex, '
+                    f"not {places!r:.40}"
+                )
+            places = tuple(tuple(map(float, place)) for place in places)
+        found |= {side: tuple(vertices), f"{side}_places": places}
+    return Curve(**found)
+
+
 def _pair(number, row):
     if not isinstance(row, dict):
         raise Refused(f'"pairs" entry {number} must be an object with "source" and "target"')
@@ -221,9 +317,7 @@ def _pair(number, row):
             raise Refused(
                 f'"pairs" entry {number}: "{side}" must be a vertex index, not {row.get(side)!r:.40}'
             )
-    name = row.get("name", f"Marker {number + 1}")
-    if not isinstance(name, str):
-        raise Refused(f'"pairs" entry {number}: "name" must be text, not {name!r:.40}')
+    name = _name("pairs", number, row, f"Marker {number + 1}")
     places = [row.get(f"{side}_place") for side in ("source", "target")]
     for side, place in zip(("source", "target"), places, strict=True):
         if place is not None and not _is_place(place):
@@ -231,7 +325,7 @@ def _pair(number, row):
     if not isinstance(row.get("mirror", True), bool):
         raise Refused(f'"pairs" entry {number}: "mirror" must be true or false, not {row["mirror"]!r:.40}')
     return Marker(
-        name.encode(errors="ignore")[:MAX_BYTES].decode(errors="ignore"),
+        name,
         row["source"],
         row["target"],
         *(None if place is None else tuple(map(float, place)) for place in places),

@@ -10,6 +10,7 @@ from .refused import Refused
 from .work import Block, Work
 
 _NUMBERED = re.compile(r"markers: number (\d+) \(source vertex \d+\) is ")
+_CURVE = re.compile(r"curves: number (\d+)")
 
 
 def fit_work(source, target, markers, options):
@@ -43,14 +44,18 @@ def fit_steps(source, target, markers, options):
     return fit
 
 
-def told(fit, names):
-    """A fit's warnings with its markers as a list of these ``names`` shows them, which counts from 1."""
+def told(fit, names, curves=()):
+    """A fit's warnings with its markers and curves as lists of their names show them, which count from 1."""
 
     def listed(match):
         number = int(match[1])
         return f"marker {number + 1}, '{names[number]}', is "
 
-    return [_NUMBERED.sub(listed, warning) for warning in fit.report["warnings"]]
+    def of_curve(match):
+        return f"curve '{curves[int(match[1])]}'"
+
+    warnings = (_NUMBERED.sub(listed, warning) for warning in fit.report["warnings"])
+    return [_CURVE.sub(of_curve, warning) for warning in warnings]
 
 
 def doubts(fit):

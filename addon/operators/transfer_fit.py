@@ -77,7 +77,7 @@ def where(objects):
 
 
 class Memory(NamedTuple):
-    """A fit with what it was made of: a digest to know it by, objects and pairs of vertices for the panel.
+    """A fit with what it was made of: a digest to know it by, objects, pairs and curves for the panel.
 
     ``doubts`` has the name of each doubtful marker, and what is said against it, by its vertices, not its
     row: rows change places, and a marker that is corrected is free of doubt.
@@ -87,6 +87,7 @@ class Memory(NamedTuple):
     source: Assembly
     target: Assembly
     pairs: list
+    curves: list
     fit: object
     summary: str
     doubts: dict
@@ -102,15 +103,19 @@ def summary(report):
     )
 
 
+def _listed(scene):
+    return bridge_markers.of_scene(scene), bridge_markers.curves_of_scene(scene)
+
+
 class Request:
     """Both sides and the markers of an operator, as arrays."""
 
     def __init__(self, operator, context):
         sources, targets = both_sides(context, operator.source, operator.target)
         self.source, self.target = Assembly(sources), Assembly(targets)
-        self._listed = bridge_markers.of_scene(context.scene)
+        self._listed = _listed(context.scene)
         self._own = not (operator.markers or operator.filepath)
-        self.pairs, self.warnings = bridge_markers.gather(
+        self.pairs, self.curves, self.warnings = bridge_markers.gather(
             context, sources, targets, operator.markers, operator.filepath
         )
         self.options = {
@@ -120,6 +125,8 @@ class Request:
             group = getattr(operator, f"{side}_mask")
             if group:
                 self.options[f"{side}_mask"] = getattr(self, side).mask(group)
+        if self.curves:
+            self.options["curves"] = [tuple(map(list, curve.vertices)) for curve in self.curves]
         self._vertices = [marker.vertices for marker in self.pairs]
         self._names = [marker.name for marker in self.pairs]
         self.markers = np.array(self._vertices, dtype=np.int64) if self.pairs else None
@@ -144,16 +151,17 @@ class Request:
 
     def told(self, fit):
         """What there is to warn of, about the markers and the fit."""
-        return [*self.warnings, *told(fit, self._names)]
+        return [*self.warnings, *told(fit, self._names, [curve.name for curve in self.curves])]
 
     def remember(self, context, fit):
         """Keeps the fit for the next transfer, and in the scene where its markers are now."""
         doubted = {self._vertices[i]: (self._names[i], why) for i, why in doubts(fit).items()}
-        known = self.digest(), self.source, self.target, self._vertices
+        curves = [curve.texts for curve in self.curves]
+        known = self.digest(), self.source, self.target, self._vertices, curves
         session.fit = Memory(*known, fit, summary(fit.report), doubted)
-        if self._own and self._listed and self._listed == bridge_markers.of_scene(context.scene):
+        if self._own and any(self._listed) and self._listed == _listed(context.scene):
             ends = self.source.objects()[0], self.target.objects()[0]
-            bridge_markers.put(context.scene, self.pairs, *ends)
+            bridge_markers.put(context.scene, self.pairs, *ends, curves=self.curves)
 
 
 def ready(operator_class, context, keys=False, writes=False):

@@ -1,4 +1,4 @@
-"""The list of marker pairs: add, remove, clear, save and load."""
+"""The lists of marker pairs and curves: add, remove, clear, save and load."""
 
 import os
 
@@ -10,6 +10,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 from ..bridge import markers as bridge_markers
 from ..bridge import meshes
 from ..core import markers, marks
+from ..core.curves import ordered
 from ..core.refused import Refused, first
 from .job import allowed, answering
 
@@ -33,9 +34,14 @@ def _needs_pair(operator_class, context):
     )
 
 
-def _needs_markers(operator_class, context):
-    missing = not len(context.scene.lissom_transfer.markers)
-    return allowed(operator_class, "There are no markers yet" if missing else "")
+def _needs_markers(operator_class, context, or_curves=False):
+    settings = context.scene.lissom_transfer
+    there = len(settings.markers) or (or_curves and len(settings.curves))
+    return allowed(operator_class, "" if there else "There are no markers yet")
+
+
+def _held(pairs, curves):
+    return f"{len(pairs)} marker pairs" + (f" and {len(curves)} curves" if curves else "")
 
 
 def _selected(obj):
@@ -104,6 +110,58 @@ class LISSOM_OT_marker_add(bpy.types.Operator):
             self.report({"WARNING"}, warning)
 
 
+class LISSOM_OT_curve_add(bpy.types.Operator):
+    """Pair the edges selected on the source with those selected on the target, such as rims of lids or lips.
+
+    In Edit Mode, Alt-click an edge of a rim to select all of it, and Shift-Alt-click its counterpart"""
+
+    bl_idname = "lissom.curve_add"
+    bl_label = "Add Curve"
+    bl_options = {"REGISTER", "UNDO"}
+
+    source: StringProperty(**SOURCE)
+    target: StringProperty(**TARGET)
+    name: StringProperty(name="Name", description="What this rim is; empty: numbered", options={"SKIP_SAVE"})
+
+    @answering
+    def execute(self, context):
+        ends = bridge_markers.pair_of_objects(context, self.source, self.target)
+        paths = [tuple(ordered(meshes.selected_edges(obj).tolist(), obj.name)) for obj in ends]
+        closed = [path[0] == path[-1] for path in paths]
+        if closed[0] != closed[1]:
+            loop, path = ends if closed[0] else ends[::-1]
+            raise Refused(
+                f"The selected edges of '{loop.name}' form a loop, those of '{path.name}' a path with "
+                "two ends: select two of a kind"
+            )
+        pairs, warnings = bridge_markers.current(context.scene, *ends)
+        known = bridge_markers.current_curves(context.scene, *ends)
+        curves = [*known, markers.Curve(self.name or f"Curve {len(known) + 1}", *paths)]
+        markers.check_curves(curves, *(len(obj.data.vertices) for obj in ends))
+        bridge_markers.put(context.scene, pairs, *ends, curves=curves)
+        for warning in warnings:
+            self.report({"WARNING"}, warning)
+        counts = [len(set(path)) for path in paths]
+        self.report({"INFO"}, f"'{curves[-1].name}': {counts[0]} to {counts[1]} vertices")
+
+
+class LISSOM_OT_curve_remove(bpy.types.Operator):
+    """Remove a curve from the list"""
+
+    bl_idname = "lissom.curve_remove"
+    bl_label = "Remove Curve"
+    bl_options = {"REGISTER", "UNDO"}
+
+    index: IntProperty(name="Index", description="Place in the list", min=0, options={"SKIP_SAVE"})
+
+    @answering
+    def execute(self, context):
+        curves = context.scene.lissom_transfer.curves
+        if self.index >= len(curves):
+            raise Refused(f"There is no curve {self.index}: the list holds {len(curves)}")
+        curves.remove(self.index)
+
+
 class LISSOM_OT_marker_remove(bpy.types.Operator):
     """Remove a marker pair from the list"""
 
@@ -134,7 +192,7 @@ class LISSOM_OT_marker_remove(bpy.types.Operator):
 
 
 class LISSOM_OT_marker_clear(bpy.types.Operator):
-    """Remove all marker pairs from the list"""
+    """Remove all marker pairs and curves"""
 
     bl_idname = "lissom.marker_clear"
     bl_label = "Remove All Marker Pairs"
@@ -142,11 +200,12 @@ class LISSOM_OT_marker_clear(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return _needs_markers(cls, context)
+        return _needs_markers(cls, context, or_curves=True)
 
     @answering
     def execute(self, context):
         context.scene.lissom_transfer.markers.clear()
+        context.scene.lissom_transfer.curves.clear()
         context.scene.lissom_transfer.active_marker = 0
 
 
@@ -190,17 +249,22 @@ class LISSOM_OT_marker_load(ImportHelper, bpy.types.Operator):
     def execute(self, context):
         settings = context.scene.lissom_transfer
         loaded = markers.load(bpy.path.abspath(self.filepath))
-        if not loaded.pairs:
+        if not (loaded.pairs or loaded.curves):
             raise Refused(f"Marker file '{self.filepath}' holds no pairs: the list stays as it is")
-        pairs, warnings, ends = loaded.pairs, [], (settings.source, settings.target)
+        pairs, curves, warnings = loaded.pairs, loaded.curves, []
+        ends = settings.source, settings.target
         if all(ends):
             pairs, warnings = bridge_markers.of_file(loaded, *ends)
-            markers.check(pairs, *(len(obj.data.vertices) for obj in ends))
+            curves = bridge_markers.curves_of_file(loaded, *ends)
+            counts = [len(obj.data.vertices) for obj in ends]
+            markers.check(pairs, *counts)
+            markers.check_curves(curves, *counts)
         for warning in warnings:
             self.report({"WARNING"}, warning)
-        bridge_markers.put(context.scene, pairs, *(ends if all(ends) else ()))
+        bridge_markers.put(context.scene, pairs, *(ends if all(ends) else (None, None)), curves=curves)
         settings.active_marker = 0
-        self.report({"INFO"}, f"{len(loaded.pairs)} marker pairs from {os.path.basename(self.filepath)}")
+        held = _held(pairs, curves)
+        self.report({"INFO"}, f"{held} from {os.path.basename(self.filepath)}")
 
 
 class LISSOM_OT_marker_save(ExportHelper, bpy.types.Operator):
@@ -217,7 +281,7 @@ class LISSOM_OT_marker_save(ExportHelper, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return _needs_markers(cls, context)
+        return _needs_markers(cls, context, or_curves=True)
 
     @answering
     def execute(self, context):
@@ -225,15 +289,18 @@ class LISSOM_OT_marker_save(ExportHelper, bpy.types.Operator):
         ends = [(obj.name, len(obj.data.vertices)) for obj in (source, target)]
         pairs, warnings = bridge_markers.current(context.scene, source, target)
         markers.check(pairs, *(count for _, count in ends))
+        curves = bridge_markers.current_curves(context.scene, source, target)
+        markers.check_curves(curves, *(count for _, count in ends))
         pairs = bridge_markers.placed(pairs, source, target)
+        curves = bridge_markers.curves_placed(curves, source, target)
         path = bpy.path.abspath(self.filepath)
         try:
-            markers.save(path, pairs, *ends)
+            markers.save(path, pairs, *ends, curves)
         except OSError as error:
             raise Refused(f"Marker file '{path}' cannot be written: {error.strerror}") from error
         for warning in warnings:
             self.report({"WARNING"}, warning)
-        self.report({"INFO"}, f"{len(pairs)} marker pairs in {os.path.basename(path)}")
+        self.report({"INFO"}, f"{_held(pairs, curves)} in {os.path.basename(path)}")
 
 
 class LISSOM_OT_marker_mirror(bpy.types.Operator):
@@ -280,6 +347,8 @@ class LISSOM_OT_marker_mirror(bpy.types.Operator):
 
 classes = (
     LISSOM_OT_marker_add,
+    LISSOM_OT_curve_add,
+    LISSOM_OT_curve_remove,
     LISSOM_OT_marker_remove,
     LISSOM_OT_marker_clear,
     LISSOM_OT_marker_show,

@@ -136,6 +136,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
                 remove = row.operator("lissom.transfer_parts", text="", icon="REMOVE")
                 remove.side, remove.remove = side.upper(), place
         self._draw_markers(layout, context)
+        self._draw_curves(layout, settings)
         column = split_column(layout)
         if len(settings.markers):
             column.prop(settings, "marker_tolerance")
@@ -209,6 +210,18 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
                 "other: corners of eyes and mouth tell most",
             )
 
+    def _draw_curves(self, layout, settings):
+        column = layout.column(align=True)
+        row = column.row(align=True)
+        row.label(text=f"Curves: {len(settings.curves)}" if len(settings.curves) else "Curves:")
+        row.operator("lissom.curve_add", text="From Edges", icon="EDGESEL")
+        for place, curve in enumerate(settings.curves):
+            row = column.row(align=True)
+            row.prop(curve, "name", text="")
+            counts = [len(set(vertices.split())) for vertices in curve.vertices]
+            row.label(text="{} to {}".format(*counts))
+            row.operator("lissom.curve_remove", text="", icon="X").index = place
+
     def _draw_fit(self, layout, context):
         settings = context.scene.lissom_transfer
         memory = fit_of(settings)
@@ -222,7 +235,8 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         row.operator("lissom.marker_suggest", icon="OUTLINER_OB_LIGHT")
         if shown:
             draw_lines(layout, "NONE", LEGEND.format(limit=100 * LIMIT))
-        if memory.pairs == [(row.source, row.target) for row in settings.markers]:
+        curves = [row.vertices for row in settings.curves]
+        if memory.pairs == [(row.source, row.target) for row in settings.markers] and memory.curves == curves:
             draw_lines(layout, "CHECKMARK", memory.summary)
         else:
             draw_lines(layout, "INFO", "The markers were changed since the last fit: Transfer fits again")

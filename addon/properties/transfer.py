@@ -183,6 +183,21 @@ class LissomMarker(bpy.types.PropertyGroup):
             setattr(self, f"{side}_place", place)
 
 
+class LissomCurve(bpy.types.PropertyGroup):
+    """One curve: paths along edges of both meshes by their vertices, and their places at rest as JSON."""
+
+    name: StringProperty(name="Name", description="What this rim is, such as: upper lip")
+    source: StringProperty(description="Vertices of the source, with spaces between")
+    target: StringProperty(description="Vertices of the target, with spaces between")
+    source_places: StringProperty()
+    target_places: StringProperty()
+
+    @property
+    def vertices(self):
+        """(source, target)."""
+        return self.source, self.target
+
+
 class LissomPart(bpy.types.PropertyGroup):
     """A further object of the source or the target."""
 
@@ -264,6 +279,7 @@ class LissomTransfer(bpy.types.PropertyGroup):
     source_parts: CollectionProperty(type=LissomPart)
     target_parts: CollectionProperty(type=LissomPart)
     markers: CollectionProperty(type=LissomMarker)
+    curves: CollectionProperty(type=LissomCurve)
     source_edges: StringProperty(description="The hash of the source's edges when its markers were placed")
     target_edges: StringProperty(description="The hash of the target's edges when its markers were placed")
     show_markers: BoolProperty(
@@ -328,7 +344,15 @@ class LissomTransfer(bpy.types.PropertyGroup):
     )
 
 
-classes = (LissomMarker, LissomKeyChoice, LissomPart, LissomKeyQuality, LissomBaked, LissomTransfer)
+classes = (
+    LissomMarker,
+    LissomCurve,
+    LissomKeyChoice,
+    LissomPart,
+    LissomKeyQuality,
+    LissomBaked,
+    LissomTransfer,
+)
 
 
 def register():

@@ -73,6 +73,9 @@ class FitOptions(TypedDict, total=False):
     source_points: ArrayLike | None
     """Where on the source each marker is, where that is not at its vertices; a marker's source vertex then
     only names it."""
+    curves: Sequence[tuple[ArrayLike, ArrayLike]] | None
+    """Edge paths of the source, each with one of the target that belongs to it: rims of lids, lips. One that
+    ends with its first vertex is closed. They are matched by length between the markers that lie on both."""
     marker_tolerance: float
     """How far off markers may be: they pull at first and are released in the end. 0 takes them as exact."""
     smoothness: float

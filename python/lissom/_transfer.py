@@ -77,6 +77,10 @@ class Fit:
     """(k,) from each marker's place on the fitted source to where it was marked, in the target's units."""
     doubtful_markers: NDArray[np.int64]
     """(d,) the markers, by number, that lie where the others do not put them and were left out."""
+    curve_distances: NDArray[np.float64]
+    """(c,) mean distance of each curve on the fitted source from its like, in the target's units."""
+    doubtful_curves: NDArray[np.int64]
+    """(d,) the curves, by number, that lie where the others do not put them and were left out."""
     report: FitReport
     """How well it went."""
     _core: _native.Fit = field(repr=False)
@@ -109,11 +113,15 @@ def fit_correspondence(
         off by ``marker_tolerance``; one that lies where the others do not put it is named and left out.
     points: (k, 3), where on the target the markers' source vertices belong, in its units, where that is not
         at its vertices.
-    options: those of ``lissom.options("fit")``.
+    options: those of ``lissom.options("fit")``. ``curves`` among them is a list of (source vertices, target
+        vertices), each along edges of its mesh: rims of lids, lips. One that ends with its first vertex is a
+        loop. The two are matched by length between the markers that lie on both, and between the ends of
+        paths; which way round they go and where loops begin is found out. With three of them no marker is
+        needed.
 
-    Raises InvalidConstraint for an empty list of markers, indices out of range, vertices marked twice, and
-    meshes with too little in common to do without markers; InvalidValue for an option out of range;
-    SolveFailed; OutOfMemory; Cancelled.
+    Raises InvalidConstraint for an empty list of markers, indices out of range, vertices marked twice,
+    curves whose vertices no edges join or that come twice, and meshes with too little in common to do without
+    markers; InvalidValue for an option out of range; SolveFailed; OutOfMemory; Cancelled.
     """
     return start_fit(source, target, markers, points, **options).result()
 

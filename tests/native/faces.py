@@ -35,3 +35,42 @@ def root_mean_square(offsets) -> float:
 
 def diagonal(vertices) -> float:
     return float(np.linalg.norm(np.ptp(vertices, axis=0)))
+
+
+def neighbours(loops, counts, count):
+    """{vertex: its neighbours along edges of polygons}, for polygons of the first `count` vertices."""
+    beside: dict[int, set] = {}
+    for start, size in zip(np.cumsum(counts) - counts, counts, strict=True):
+        polygon = loops[start : start + size].tolist()
+        if max(polygon) < count:
+            for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True):
+                beside.setdefault(a, set()).add(b)
+                beside.setdefault(b, set()).add(a)
+    return beside
+
+
+def loop_through(vertices, beside):
+    """The loop of edges that these vertices form, in order; it ends with its first."""
+    left, path = set(vertices), [min(vertices)]
+    while left - set(path):
+        path.append(min((beside[path[-1]] & left) - set(path)))
+    return [*path, path[0]]
+
+
+def rings_from_border(triangles, beside, rings):
+    """The loops of edges `rings` away from each border of a surface, as sets, the shortest border first."""
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), 1)
+    edges, times = np.unique(edges, axis=0, return_counts=True)
+    left = set(edges[times == 1].ravel().tolist())
+    found = []
+    while left:
+        border = {left.pop()}
+        while grown := {v for b in border for v in beside[b]} & left:
+            border |= grown
+            left -= grown
+        found.append(border)
+    seen = [set(border) for border in found]
+    for _ in range(rings):
+        found = [{v for b in ring for v in beside[b]} - old for ring, old in zip(found, seen, strict=True)]
+        seen = [old | ring for ring, old in zip(found, seen, strict=True)]
+    return sorted(found, key=len)

@@ -153,6 +153,23 @@ pub fn vertex_lists(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<u3
     items.enumerate().map(|(i, item)| vertex_list(&format!("{name}[{i}]"), &item?)).collect()
 }
 
+/// A sequence of pairs of (k,) vertex index arrays.
+pub fn curves(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[Vec<u32>; 2]>> {
+    let expected = || {
+        PyTypeError::new_err(format!(
+            "{name}: expected a list of (source vertices, target vertices), each a 1-D index array"
+        ))
+    };
+    let curve = |(i, item): (usize, PyResult<Bound<'_, PyAny>>)| {
+        let sides: Vec<Bound<'_, PyAny>> =
+            item?.try_iter().map_err(|_| expected())?.collect::<PyResult<_>>()?;
+        let [source, target] = sides.as_slice() else { return Err(expected()) };
+        let name = format!("{name}[{i}]");
+        Ok([vertex_list(&name, source)?, vertex_list(&name, target)?])
+    };
+    value.try_iter().map_err(|_| expected())?.enumerate().map(curve).collect()
+}
+
 /// A sequence of (k,) numbers or None.
 pub fn number_lists(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Option<Vec<f64>>>> {
     let items = value.try_iter().map_err(|_| {

@@ -102,6 +102,7 @@ fn value(spec: &Spec, given: &Bound<'_, PyAny>) -> PyResult<Option<Value>> {
         _ if given.is_none() => return Ok(None),
         Kind::Vertices => Value::Vertices(arrays::vertex_list(name, given)?),
         Kind::Points => Value::Points(arrays::points(name, given)?),
+        Kind::Curves => Value::Curves(arrays::curves(name, given)?),
         Kind::Mesh => {
             let expected = || PyTypeError::new_err(format!("{name}: expected a lissom.Mesh"));
             Value::Mesh(given.cast::<PyMesh>().map_err(|_| expected())?.get().0.clone())

@@ -55,6 +55,9 @@ fn fitted(py: Python<'_>, fit: Fit, meshes: [Arc<Mesh>; 2]) -> PyResult<Py<PyAny
     arrays.set_item("marker_distances", arrays::from_numbers(py, fit.marker_distances))?;
     let doubtful = fit.doubtful_markers.into_iter().map(i64::from);
     arrays.set_item("doubtful_markers", arrays::from_integers(py, doubtful))?;
+    arrays.set_item("curve_distances", arrays::from_numbers(py, fit.curve_distances))?;
+    let doubtful = fit.doubtful_curves.into_iter().map(i64::from);
+    arrays.set_item("doubtful_curves", arrays::from_integers(py, doubtful))?;
     arrays.set_item("flipped", arrays::from_integers(py, fit.flipped.into_iter().map(i64::from)))?;
     let report = fields!(py, fit.report; distance_mean, distance_max, distance_mean_percent,
         distance_max_percent, flipped_triangles, stretched_triangles, unmatched_source_triangles,

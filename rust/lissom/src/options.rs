@@ -22,6 +22,8 @@ pub enum Kind {
     Vertices,
     /// Positions.
     Points,
+    /// Pairs of paths along edges.
+    Curves,
     /// A mesh.
     Mesh,
     /// Shapes of a mesh, each at a time.
@@ -38,6 +40,7 @@ impl Kind {
             Self::Choice => "choice",
             Self::Vertices => "vertices",
             Self::Points => "points",
+            Self::Curves => "curves",
             Self::Mesh => "mesh",
             Self::Shapes => "shapes",
         }
@@ -59,6 +62,8 @@ pub enum Value {
     Vertices(Vec<u32>),
     /// [`Kind::Points`]
     Points(Vec<Vec3>),
+    /// [`Kind::Curves`]
+    Curves(Vec<[Vec<u32>; 2]>),
     /// [`Kind::Mesh`]
     Mesh(Arc<Mesh>),
     /// [`Kind::Shapes`]
@@ -270,6 +275,7 @@ field!(usize, Int, given => usize::try_from(given).ok(),
 field!(Vec<u32>, Vertices, given => Some(given),);
 field!(Vec<Vec3>, Points, given => Some(given),);
 field!(Option<Vec<Vec3>>, Points, given => Some(Some(given)),);
+field!(Vec<[Vec<u32>; 2]>, Curves, given => Some(given),);
 field!(Option<Arc<Mesh>>, Mesh, given => Some(Some(given)),);
 field!(Vec<(f64, Vec<Vec3>)>, Shapes, given => Some(given),);
 

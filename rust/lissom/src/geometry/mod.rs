@@ -6,11 +6,13 @@
 //! | [`triangle`] | areas, normals, cotangents |
 //! | [`rows`], [`groups`] | items sorted by row; what hangs together |
 //! | [`rigid`] | rigid and similarity maps between point sets |
+//! | [`polyline`] | paths and loops by arc length |
 //! | [`surface`] | closest points, barycentric coordinates |
 //! | [`solid`] | inside and outside |
 
 pub mod frame;
 pub mod groups;
+pub mod polyline;
 pub mod rigid;
 pub mod rows;
 pub mod solid;

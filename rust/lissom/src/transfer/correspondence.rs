@@ -1,7 +1,26 @@
 //! Correspondence: which places of the source and of the target belong together, in both directions.
 
 use super::image::SurfacePoint;
-use crate::{Error, Fault, Mat3, Mesh, Result};
+use crate::{Error, Fault, Mat3, Mesh, Result, Vec3};
+
+/// A vertex of the target on a curve that the source has too, and its place there: so far along an edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurvePoint {
+    /// The target's vertex.
+    pub vertex: u32,
+    /// The ends of the source's edge, ...
+    pub edge: [u32; 2],
+    /// ... and how much of it lies before the place.
+    pub fraction: f64,
+}
+
+impl CurvePoint {
+    /// What `values` at the source's vertices are there.
+    pub fn blend(&self, values: &[Vec3]) -> Vec3 {
+        let [a, b] = self.edge.map(|v| values[v as usize]);
+        a.lerp(b, self.fraction)
+    }
+}
 
 /// What a fit finds, and all that a transfer needs; triangles as the input of the meshes counts them.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -12,6 +31,8 @@ pub struct Correspondence {
     pub images: Vec<Option<SurfacePoint>>,
     /// Where each source vertex lies on the target; may be empty.
     pub back_images: Vec<Option<SurfacePoint>>,
+    /// The curves that were marked, each with its vertices on the target in turn.
+    pub curves: Vec<Vec<CurvePoint>>,
     /// The rotation by which the target lies turned against the source: displacements are to be turned by it.
     pub turn: Mat3,
 }
@@ -31,7 +52,7 @@ impl Correspondence {
         let pairs = pairs_in_use(source, target, &self.pairs)?;
         let images = images_in_use(source, target, &self.images)?;
         let back_images = images_in_use(target, source, &self.back_images)?;
-        Ok(Self { pairs, images, back_images, turn: self.turn })
+        Ok(Self { pairs, images, back_images, curves: self.curves.clone(), turn: self.turn })
     }
 }
 

@@ -3,26 +3,14 @@
 use std::time::Instant;
 
 use super::diagnosis::{Fit, FitReport, conclude};
-use super::doubtful::doubtful;
-use super::lie::Lie;
-use super::markers::{self, Marker, PROPORTIONS};
+use super::marked::Marked;
 use super::options::FitOptions;
 use super::registration::register;
 use super::side::{Placed, Side};
 use crate::options::OptionSet;
-use crate::transfer::alignment;
 use crate::transfer::correspondence::Correspondence;
 use crate::transfer::image::SurfacePoint;
-use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
-
-/// Without markers, the meshes lie on each other less surely than this by chance, and are refused; ...
-const GUESSED: f64 = 0.1;
-
-/// ... less surely than this, it is said.
-const UNSURE: f64 = 0.5;
-
-/// A marker that was left out and is met within so many tolerances was right: those beside it are not.
-const MET: f64 = 2.0;
+use crate::{Job, Mat3, Mesh, Result, Vec3};
 
 /// Fits `source` to `target` by `markers`, pairs of a source vertex and a target vertex; by `None` it finds out itself
 /// how the two lie on each other ([`crate::transfer::alignment`]).
@@ -33,9 +21,9 @@ const MET: f64 = 2.0;
 ///
 /// # Errors
 ///
-/// [`Error::InvalidConstraint`] for markers that cannot be used (an empty list, out of range, marked twice), and for
-/// `None` where the meshes have too little in common; [`Error::InvalidValue`] for options out of range,
-/// [`Error::SolveFailed`], [`Error::Cancelled`].
+/// [`crate::Error::InvalidConstraint`] for markers that cannot be used (an empty list, out of range, marked twice), curves
+/// that are none, and `None` where the meshes have too little in common; [`crate::Error::InvalidValue`] for options out of
+/// range, [`crate::Error::SolveFailed`], [`crate::Error::Cancelled`].
 pub fn fit_correspondence(
     source: &Mesh,
     target: &Mesh,
@@ -49,47 +37,22 @@ pub fn fit_correspondence(
     };
     let mut warnings = [doubts("source", source), doubts("target", target)].concat();
     options.check()?;
-    let pairs: Vec<[u32; 2]> = (markers.into_iter().flatten())
-        .map(|&[s, t]| [source.representative(s), target.representative(t)])
-        .collect();
-    if pairs.is_empty()
+    if markers.is_none_or(<[_]>::is_empty)
+        && options.curves.is_empty()
         && source.triangles() == target.triangles()
         && source.rest().len() == target.rest().len()
     {
         job.check()?;
         return Ok(same(source, target, warnings));
     }
-    let unit = |mesh: &Mesh, points: &[Vec3]| -> Vec<Vec3> {
-        points.iter().map(|&p| mesh.frame().to_unit(p)).collect()
-    };
-    let points = [unit(source, &options.source_points), unit(target, &options.points)];
     let source_side = Side::new(source, "source_mask", &options.source_mask)?;
     let target_side = Side::new(target, "target_mask", &options.target_mask)?;
     let onto = Placed::new(&target_side, target.rest());
     job.report(0.0, "fit");
     job.check()?;
 
-    let (found, doubts, lie) = match markers {
-        Some(_) => {
-            let points = points.each_ref().map(Vec::as_slice);
-            let found = markers::check(source, target, &pairs, points, &mut warnings)?;
-            let doubts = doubtful(&found, options.marker_tolerance);
-            if doubts.scatter > PROPORTIONS.max(options.marker_tolerance) {
-                warnings.push(format!(
-                    "markers: any of them is {:.0} % of the target's diagonal away from where the others put it: many \
-                     are misplaced or exchanged, or the meshes have little in common",
-                    100.0 * doubts.scatter
-                ));
-            }
-            let trusted: Vec<Marker> = match options.marker_tolerance {
-                0.0 => found.clone(),
-                _ => without(&found, &doubts.markers),
-            };
-            let lie = Lie::of(trusted, doubts.scatter);
-            (found, doubts.markers, lie)
-        }
-        None => (Vec::new(), Vec::new(), without_markers(&source_side, &target_side, &mut warnings, job)?),
-    };
+    let Marked { lie, led_by } =
+        Marked::of(&source_side, &target_side, markers, options, &mut warnings, job)?;
     let turned = lie.turn.map(|turn| source.turned(turn));
     let source_side = match &turned {
         Some(turned) => source_side.of(turned),
@@ -97,50 +60,18 @@ pub fn fit_correspondence(
     };
     let (x, rounds) = register(&source_side, &onto, &lie, options, job)?;
     job.report(0.9, "match");
-    let off: Vec<f64> = found.iter().map(|m| m.place(&x).distance(m.goal)).collect();
-    let tolerance = options.marker_tolerance;
-    let wrong = |d: &&(usize, f64)| tolerance == 0.0 || off[d.0] > MET * tolerance;
-    let wrong: Vec<(usize, f64)> = doubts.iter().filter(wrong).copied().collect();
-    warnings.extend(wrong.iter().map(|&(i, by)| {
-        let what = if tolerance == 0.0 { "kept, since the tolerance is 0" } else { "left out" };
-        let (vertex, percent) = (markers.map_or(0, |markers| markers[i][0]), 100.0 * by);
-        format!(
-            "markers: number {i} (source vertex {vertex}) is {percent:.1} % of the target's diagonal away from where \
-             the others put it; {what}: look whether it is out of place or swapped"
-        )
-    }));
+    let led = led_by.told(&x, markers, options.marker_tolerance);
+    warnings.extend(led.warnings);
     let report = FitReport { rounds, warnings, certainty: lie.certainty, ..FitReport::default() };
     let mut fit = conclude(&Placed::new(&source_side, &x), &onto, options.match_distance, report, job)?;
     fit.matches.turn = lie.turn.unwrap_or(Mat3::IDENTITY);
-    fit.marker_distances = off.iter().map(|off| off * target.frame().scale).collect();
-    fit.doubtful_markers = wrong.iter().map(|&(i, _)| i as u32).collect();
+    fit.matches.curves = led.curves;
+    let in_units = |off: Vec<f64>| off.into_iter().map(|off| off * target.frame().scale).collect();
+    [fit.marker_distances, fit.curve_distances] = led.off.map(in_units);
+    [fit.doubtful_markers, fit.doubtful_curves] = led.doubtful;
     fit.report.seconds = start.elapsed().as_secs_f64();
     job.report(1.0, "match");
     Ok(fit)
-}
-
-fn without(markers: &[Marker], doubts: &[(usize, f64)]) -> Vec<Marker> {
-    let kept = |(i, marker): (usize, &Marker)| doubts.iter().all(|d| d.0 != i).then_some(*marker);
-    markers.iter().enumerate().filter_map(kept).collect()
-}
-
-/// How the meshes lie on each other by their shapes alone.
-fn without_markers(source: &Side, target: &Side, warnings: &mut Vec<String>, job: &Job) -> Result<Lie> {
-    let found =
-        alignment::align(source.mesh, target.mesh, &source.masked_vertex, &target.masked_vertex, job)?;
-    if found.certainty < GUESSED {
-        let problem = "none given, and the meshes have too little in common to lie on each other without: mark at \
-                       least three pairs of vertices";
-        return Err(Error::InvalidConstraint(Fault::new("markers", problem)));
-    }
-    if found.certainty < UNSURE {
-        warnings.push(format!(
-            "markers: none given, and how the meshes lie on each other is {:.0} % sure only: look at the fit, or mark \
-             three pairs of vertices",
-            100.0 * found.certainty
-        ));
-    }
-    Ok(Lie::by(&found, source.mesh))
 }
 
 /// The fit of a mesh onto one of the same vertices and triangles: each belongs to its own like.
@@ -160,21 +91,20 @@ fn same(source: &Mesh, target: &Mesh, warnings: Vec<String>) -> Fit {
     let (images, back_images) = (corners(source), corners(target));
     let n = images.len();
     Fit {
-        matches: Correspondence { pairs, images, back_images, turn: Mat3::IDENTITY },
+        matches: Correspondence { pairs, images, back_images, ..Correspondence::default() },
         fitted_vertices: target.vertices().to_vec(),
         distances: vec![0.0; n],
         image_distances: vec![0.0; n],
         stretch: vec![1.0; source.input_triangles()],
-        flipped: Vec::new(),
-        marker_distances: Vec::new(),
-        doubtful_markers: Vec::new(),
         report: FitReport { warnings, certainty: 1.0, ..FitReport::default() },
+        ..Fit::default()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Error;
     use crate::transfer::testing::{bumpy_grid, grid, nosed_sphere};
 
     fn fit(source: &Mesh, target: &Mesh, markers: &[[u32; 2]]) -> Result<Fit> {

@@ -44,6 +44,11 @@ pub struct Fit {
     pub marker_distances: Vec<f64>,
     /// Markers that lie where the others do not put them, by their number.
     pub doubtful_markers: Vec<u32>,
+    /// How far the vertices of each curve on the fitted source are from that of the target, in the target's units, at the
+    /// mean.
+    pub curve_distances: Vec<f64>,
+    /// Curves that lie where markers and other curves do not put them, by their number.
+    pub doubtful_curves: Vec<u32>,
     /// How well it went.
     pub report: FitReport,
 }
@@ -168,6 +173,7 @@ pub fn conclude(
     let matches = Correspondence {
         pairs: pairs.iter().map(given).collect(),
         turn: Mat3::IDENTITY,
+        curves: Vec::new(),
         images: as_given(images, source, target),
         back_images: as_given(back_images, target, source),
     };

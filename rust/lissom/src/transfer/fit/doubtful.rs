@@ -8,7 +8,6 @@
 //! that one belongs. Where this is off by much more than usual, the worst is left out, and the rest asked again,
 //! since a wrong marker spoils what is said of those beside it.
 
-use super::markers::Marker;
 use crate::Vec3;
 use crate::linear::dense;
 
@@ -42,8 +41,8 @@ pub struct Doubts {
     pub scatter: f64,
 }
 
-/// Which of `markers` are doubtful, for a tolerance in unit coordinates.
-pub fn doubtful(markers: &[Marker], tolerance: f64) -> Doubts {
+/// Which of `markers`, places of the source and where these belong, are doubtful, for a tolerance in unit coordinates.
+pub fn doubtful(markers: &[(Vec3, Vec3)], tolerance: f64) -> Doubts {
     let mut kept: Vec<usize> = (0..markers.len()).collect();
     let (mut found, mut scatter) = (Vec::new(), tolerance);
     while kept.len() >= FEWEST && (found.len() as f64) < MOST * markers.len() as f64 {
@@ -67,13 +66,13 @@ pub fn doubtful(markers: &[Marker], tolerance: f64) -> Doubts {
 
 /// How far marker `i` is from where the others among `kept` put it, and over what they let it vary, the root of the
 /// variance of kriging (Matheron 1963): what lies outside of all others is not known by them.
-fn off(markers: &[Marker], kept: &[usize], i: usize) -> [f64; 2] {
-    let at = markers[i].rest;
+fn off(markers: &[(Vec3, Vec3)], kept: &[usize], i: usize) -> [f64; 2] {
+    let at = markers[i].0;
     let mut around: Vec<usize> = kept.iter().copied().filter(|&j| j != i).collect();
-    around.sort_by(|&a, &b| markers[a].rest.distance(at).total_cmp(&markers[b].rest.distance(at)));
+    around.sort_by(|&a, &b| markers[a].0.distance(at).total_cmp(&markers[b].0.distance(at)));
     around.truncate(AROUND);
     let k = around.len();
-    let point = |j: usize| markers[around[j]].rest - at;
+    let point = |j: usize| markers[around[j]].0 - at;
     let linear = |j: usize, c: usize| if c == 0 { 1.0 } else { point(j)[c - 1] };
     let entry = |row: usize, column: usize| match (row < k, column < k) {
         (true, true) if row == column => SMOOTHING,
@@ -96,8 +95,8 @@ fn off(markers: &[Marker], kept: &[usize], i: usize) -> [f64; 2] {
         _ => 0.0,
     };
     let solved = dense::solve(k + 4, entry, &(0..k + 4).map(|row| Vec3::X * to(row)).collect::<Vec<_>>());
-    let expected: Vec3 = (0..k).map(|j| markers[around[j]].goal * solved[j].x).sum();
+    let expected: Vec3 = (0..k).map(|j| markers[around[j]].1 * solved[j].x).sum();
     let variance: f64 = -(0..k + 4).map(|row| solved[row].x * to(row)).sum::<f64>();
-    let off = markers[i].goal.distance(expected);
+    let off = markers[i].1.distance(expected);
     [off, off / variance.max(SMOOTHING).sqrt()]
 }

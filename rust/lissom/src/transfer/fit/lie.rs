@@ -1,6 +1,6 @@
 //! How the source lies on the target before anything bends, by markers or by the shapes alone.
 
-use super::markers::{self, Marker};
+use super::markers::Marker;
 use crate::geometry::rigid::{self, Alignment};
 use crate::transfer::alignment::Found;
 use crate::{Mat3, Mesh, Vec3, rotation};
@@ -25,25 +25,25 @@ pub struct Lie {
 }
 
 impl Lie {
-    /// By markers.
-    pub fn of(markers: Vec<Marker>, scatter: f64) -> Self {
-        let alignment = Alignment::of(markers.iter().map(|m| (m.rest, m.goal)));
-        let determined = markers.len() >= 3 && alignment.is_determined();
+    /// By places of the source and where these belong, which are `scatter` off; `markers` are to be followed.
+    pub fn of(places: &[(Vec3, Vec3)], markers: Vec<Marker>, scatter: f64) -> Self {
+        let alignment = Alignment::of(places.iter().copied());
+        let determined = places.len() >= 3 && alignment.is_determined();
         let turn = Some(alignment.rotation()).filter(|&turn| determined && is_worth(turn));
-        let size = markers::size_ratio(&markers);
+        let size = rigid::size_ratio(places.iter().map(|p| p.1), places.iter().map(|p| p.0));
         let (from, to) = alignment.centroids();
         let shift = to - turn.unwrap_or(Mat3::IDENTITY) * from * size;
         Self { markers, scatter, turn, size, shift, certainty: 1.0 }
     }
 
-    /// By the shapes of `source` and target.
-    pub fn by(found: &Found, source: &Mesh) -> Self {
+    /// By the shapes of `source` and target; what is yet to be followed is `scatter` off.
+    pub fn by(found: &Found, source: &Mesh, scatter: f64) -> Self {
         let turn = Some(found.rotation).filter(|&turn| is_worth(turn));
         let centre = rigid::centroid(source.rest().iter().copied());
         let turned = turn.unwrap_or(Mat3::IDENTITY) * centre;
         let shift = found.similarity.apply(centre) - turned * found.scale;
         let (size, certainty) = (found.scale, found.certainty);
-        Self { markers: Vec::new(), scatter: 0.0, turn, size, shift, certainty }
+        Self { markers: Vec::new(), scatter, turn, size, shift, certainty }
     }
 }
 

@@ -13,6 +13,9 @@ const COLLINEAR: f64 = 1e-3;
 /// A point is at a corner of its triangle where the others count for less than this.
 const AT_VERTEX: f64 = 1e-9;
 
+/// Weight along a curve, a fraction of that across it: what lies on it is known, lengths along it differ.
+const SLIDING: f64 = 0.02;
+
 /// A turn between the two sets of markers from which on the meshes are said to face different ways.
 const TURNED_DEGREES: f64 = 60.0;
 
@@ -34,21 +37,53 @@ pub struct Marker {
     pub rest: Vec3,
     /// Where it belongs, in the target's unit coordinates.
     pub goal: Vec3,
+    /// The direction along which it may slide, that of a curve there ([`super::curves`]); zero for a point.
+    pub tangent: Vec3,
 }
 
 impl Marker {
+    /// A vertex of the source that belongs at a point.
+    pub fn at_vertex(source: &Mesh, vertex: u32, goal: Vec3) -> Self {
+        let rest = source.rest()[vertex as usize];
+        Self { corners: [vertex; 3], weights: Vec3::X, rest, goal, tangent: Vec3::ZERO }
+    }
+
+    /// Whether it is a vertex that belongs at a point.
+    pub fn is_vertex(&self) -> bool {
+        self.weights == Vec3::X && !self.is_of_curve()
+    }
+
+    fn is_of_curve(&self) -> bool {
+        self.tangent != Vec3::ZERO
+    }
+
     /// Where it is with the source's vertices at `x`.
     pub fn place(&self, x: &[Vec3]) -> Vec3 {
         self.pull(0.0).place(x)
     }
 
+    /// How far it is from where it belongs, and of a curve's from that.
+    pub fn off(&self, x: &[Vec3]) -> f64 {
+        (self.place(x) - self.goal).reject_from_normalized(self.tangent).length()
+    }
+
     /// A pull to where it belongs.
     pub fn pull(&self, weight: f64) -> Pull {
-        Pull::to_point(self.corners, self.weights, self.goal, weight)
+        let pull = Pull::to_point(self.corners, self.weights, self.goal, weight);
+        match self.is_of_curve() {
+            true => Pull { normal: self.tangent, along: SLIDING * weight, ..pull },
+            false => pull,
+        }
+    }
+
+    /// How much it counts with the source's vertices at `x`, where `within` is as near as it need be. Curves, which
+    /// are selected, not clicked, do not let go.
+    pub fn share(&self, x: &[Vec3], within: f64) -> f64 {
+        if self.is_of_curve() { 1.0 } else { (1.0 + (self.off(x) / within).powi(2)).powi(-2) }
     }
 }
 
-/// Refuses markers that cannot be used and says where they leave something open. `points` of the source and of the
+/// Refuses markers that cannot be used. `points` of the source and of the
 /// target, in their unit coordinates, stand in the place of vertices where there are any; those of the source count as
 /// the nearest of its surface.
 ///
@@ -61,7 +96,6 @@ pub fn check(
     target: &Mesh,
     markers: &[[u32; 2]],
     points: [&[Vec3]; 2],
-    warnings: &mut Vec<String>,
 ) -> Result<Vec<Marker>> {
     let refuse = |fault: Option<Fault>| fault.map_or(Ok(()), |f| Err(Error::InvalidConstraint(f)));
     for (name, points) in ["source_points", "points"].into_iter().zip(points) {
@@ -96,46 +130,53 @@ pub fn check(
             Some((surface, hit)) => {
                 on_triangle(source, hit.triangle, surface.weights(hit.triangle, hit.point), goal)
             }
-            None => Marker { corners: [s; 3], weights: Vec3::X, rest: source.rest()[s as usize], goal },
+            None => Marker::at_vertex(source, s, goal),
         }
     };
-    let found: Vec<Marker> = markers.iter().enumerate().map(marker).collect();
-    if !points[1].is_empty() {
-        let surface = Surface::of(target.triangles(), target.rest());
-        let beside = |m: &&Marker| surface.closest_point(m.goal).is_some_and(|hit| hit.distance > BESIDE);
-        let count = found.iter().filter(beside).count();
-        if count > 0 {
-            warnings.push(format!(
-                "markers: {count} of {} points are far beside the target: are they in its own coordinates?",
-                found.len()
-            ));
-        }
+    Ok(markers.iter().enumerate().map(marker).collect())
+}
+
+/// How many of `markers` belong where the target is not, in words.
+pub fn beside(target: &Mesh, markers: &[Marker]) -> Option<String> {
+    let surface = Surface::of(target.triangles(), target.rest());
+    let is_beside = |m: &&Marker| surface.closest_point(m.goal).is_some_and(|hit| hit.distance > BESIDE);
+    let count = markers.iter().filter(is_beside).count();
+    (count > 0).then(|| {
+        format!(
+            "markers: {count} of {} points are far beside the target: are they in its own coordinates?",
+            markers.len()
+        )
+    })
+}
+
+/// What places of the source, each with that where it belongs, leave open, in words.
+pub fn left_open(places: &[(Vec3, Vec3)]) -> Option<String> {
+    let [rests, goals] = offsets(places);
+    if places.len() < 3 {
+        return Some(format!("markers: only {}; three or more fix how the meshes lie", places.len()));
     }
-    let [rests, goals] = offsets(&found);
-    if found.len() < 3 {
-        warnings.push(format!("markers: only {}; three or more fix how the meshes lie", found.len()));
-    } else if collinear(&rests) || collinear(&goals) {
-        warnings.push("markers: all on one line, so the turn about it is left open".into());
-    } else {
-        let motion = Alignment::of(found.iter().map(|m| (m.rest, m.goal)));
-        let degrees = rotation::log(motion.rotation()).length().to_degrees();
-        if degrees > TURNED_DEGREES {
-            warnings.push(format!(
-                "markers: by them the target is turned by {degrees:.0} degrees against the source, and keys turn \
-                 along; if it is not, look for markers that are swapped"
-            ));
-        }
+    if collinear(&rests) || collinear(&goals) {
+        return Some("markers: all on one line, so the turn about it is left open".into());
     }
-    Ok(found)
+    let motion = Alignment::of(places.iter().copied());
+    let degrees = rotation::log(motion.rotation()).length().to_degrees();
+    (degrees > TURNED_DEGREES).then(|| {
+        format!(
+            "markers: by them the target is turned by {degrees:.0} degrees against the source, and keys turn along; \
+             if it is not, look for markers that are swapped"
+        )
+    })
 }
 
 /// A marker at a point of a triangle; at a vertex it is one of that.
 fn on_triangle(source: &Mesh, triangle: usize, weights: Vec3, goal: Vec3) -> Marker {
     let corners = source.triangles()[triangle];
-    let rest = (0..3).map(|k| source.rest()[corners[k] as usize] * weights[k]).sum();
     match (0..3).find(|&k| weights[k] > 1.0 - AT_VERTEX) {
-        Some(k) => Marker { corners: [corners[k]; 3], weights: Vec3::X, rest, goal },
-        None => Marker { corners, weights, rest, goal },
+        Some(k) => Marker::at_vertex(source, corners[k], goal),
+        None => {
+            let rest = (0..3).map(|k| source.rest()[corners[k] as usize] * weights[k]).sum();
+            Marker { corners, weights, rest, goal, tangent: Vec3::ZERO }
+        }
     }
 }
 
@@ -152,22 +193,17 @@ fn marked_twice(markers: &[[u32; 2]], side: usize, name: &str) -> Option<Fault> 
     Fault::at("markers", problem, [earlier, later])
 }
 
-/// Offsets of the markers from the centroid, on the source and on the target.
-fn offsets(markers: &[Marker]) -> [Vec<Vec3>; 2] {
-    let centred = |at: fn(&Marker) -> Vec3| {
-        let centre = markers.iter().map(at).sum::<Vec3>() / markers.len() as f64;
-        markers.iter().map(|m| at(m) - centre).collect()
+/// Offsets of the places from their centroid, on the source and on the target.
+fn offsets(places: &[(Vec3, Vec3)]) -> [Vec<Vec3>; 2] {
+    let centred = |at: fn(&(Vec3, Vec3)) -> Vec3| {
+        let centre = rigid::centroid(places.iter().map(at));
+        places.iter().map(|place| at(place) - centre).collect()
     };
-    [centred(|m| m.rest), centred(|m| m.goal)]
+    [centred(|place| place.0), centred(|place| place.1)]
 }
 
 fn collinear(offsets: &[Vec3]) -> bool {
     let far = offsets.iter().copied().max_by(|a, b| a.length().total_cmp(&b.length())).unwrap_or(Vec3::X);
     let axis = far.normalize_or_zero();
     offsets.iter().all(|p| p.reject_from_normalized(axis).length() <= COLLINEAR * far.length())
-}
-
-/// Size of the target over size of the source, both in unit coordinates, by their markers.
-pub fn size_ratio(markers: &[Marker]) -> f64 {
-    rigid::size_ratio(markers.iter().map(|m| m.goal), markers.iter().map(|m| m.rest))
 }

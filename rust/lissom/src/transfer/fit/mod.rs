@@ -2,8 +2,8 @@
 //!
 //! After Sumner & Popović 2004, section 4; what differs is said where it does.
 //!
-//! 1. How the source *lies* on the target, by its markers less the `doubtful` ones, or by the shapes alone
-//!    (`markers`, `doubtful`, `lie`, [`super::alignment`]).
+//! 1. How the source *lies* on the target, by its markers and curves less the `doubtful` ones, or by the shapes alone
+//!    (`marked`: `markers`, `curves`, `doubtful`, `lie`, [`super::alignment`]).
 //! 2. *Registration*: an energy that keeps the change smooth (`energy`) and pulls to where the source ought to be
 //!    (`pulls`, `look_up`), step by step (`registration`, `descent`).
 //! 3. *Diagnosis*: which triangles match, where vertices lie on the other mesh, and how good it is (`matching`,
@@ -13,6 +13,7 @@
 
 mod component_pairs;
 mod correspond;
+mod curves;
 mod descent;
 mod diagnosis;
 mod doubtful;
@@ -20,6 +21,7 @@ mod energy;
 mod images;
 mod lie;
 mod look_up;
+mod marked;
 mod markers;
 mod matching;
 mod options;

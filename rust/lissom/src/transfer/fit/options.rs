@@ -16,6 +16,9 @@ options! {
         /// Where on the source each marker is, where that is not at its vertices; a marker's source vertex then
         /// only names it.
         pub source_points: Vec<Vec3> = Vec::new() => unit("the source's units"),
+        /// Edge paths of the source, each with one of the target that belongs to it: rims of lids, lips. One that ends
+        /// with its first vertex is closed. They are matched by length between the markers that lie on both.
+        pub curves: Vec<[Vec<u32>; 2]> = Vec::new(),
         /// How far off markers may be: they pull at first and are released in the end. 0 takes them as exact.
         pub marker_tolerance: f64 = 0.01 => at_least(0.0) unit("of the target's diagonal"),
         /// How much neighbouring triangles must change alike.

@@ -94,7 +94,7 @@ pub fn register(
     let Lie { markers, scatter, size, shift, .. } = lie;
     let exact = options.marker_tolerance == 0.0;
     let mut fixed = vec![None; n];
-    for marker in markers.iter().filter(|m| exact && m.weights == Vec3::X) {
+    for marker in markers.iter().filter(|m| exact && m.is_vertex()) {
         fixed[marker.corners[0] as usize] = Some(marker.goal);
     }
     let weights = TermWeights { smoothness: options.smoothness, identity: options.identity };
@@ -134,8 +134,8 @@ pub fn register(
                 pulls.extend(look_up.back(&placed, pull * DIAGONAL_SQUARED, reach, job)?);
             }
             pulls.extend(markers.iter().map(|m| {
-                let off = m.place(&u).distance(m.goal) / (KEPT_WITHIN * options.marker_tolerance * trust);
-                let kept = KEPT * trust / (1.0 + off * off).powi(2);
+                let within = KEPT_WITHIN * options.marker_tolerance * trust;
+                let kept = KEPT * trust * m.share(&u, within);
                 m.pull(if exact { EXACT } else { falling.max(kept) } * DIAGONAL_SQUARED)
             }));
             if descent.is_none() {
@@ -165,7 +165,7 @@ fn follow_markers(energy: &Energy, markers: &[Marker], u: &mut [Vec3]) -> Result
     let mark = markers.iter().map(|m| m.pull(MARKED * DIAGONAL_SQUARED));
     let pulls: Vec<Pull> = hold.chain(mark).collect();
     let factor = energy.factor(&pulls::uncoupled(&pulls, n))?;
-    let at_vertices = markers.iter().all(|m| m.weights == Vec3::X);
+    let at_vertices = markers.iter().all(Marker::is_vertex);
     Descent::new(energy, factor).go(&pulls, u, if at_vertices { 1 } else { SOLVES });
     carry_unmarked(energy.mesh(), &marked, &mut u[..n]);
     Ok(())

@@ -1,0 +1,197 @@
+//! What leads a fit: markers and curves, less what is doubtful among them; and how the source lies by them.
+//!
+//! Of a curve its centroid stands beside the markers where doubts and the lie are found out, so that it counts as
+//! one of them however long it is, and is left out as a whole or not at all.
+
+use super::curves::{self, Curve, Matched};
+use super::doubtful::doubtful;
+use super::lie::Lie;
+use super::markers::{self, Marker, PROPORTIONS};
+use super::options::FitOptions;
+use super::side::Side;
+use crate::transfer::alignment;
+use crate::transfer::correspondence::CurvePoint;
+use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
+
+/// Without markers, the meshes lie on each other less surely than this by chance, and are refused; ...
+const GUESSED: f64 = 0.1;
+
+/// ... less surely than this, it is said.
+const UNSURE: f64 = 0.5;
+
+/// A marker that was left out and is met within so many tolerances was right: those beside it are not. A curve that
+/// is not met within them has been followed in vain.
+const MET: f64 = 2.0;
+
+/// What leads a fit.
+pub struct Marked {
+    /// How the source lies, with the markers to follow.
+    pub lie: Lie,
+    /// What these come from.
+    pub led_by: LedBy,
+}
+
+/// All markers and curves.
+pub struct LedBy {
+    markers: Vec<Marker>,
+    /// As markers, and their vertices on the target.
+    curves: Vec<(Vec<Marker>, Vec<CurvePoint>)>,
+    /// The doubtful ones, counted through markers and curves, and how far each is off.
+    doubts: Vec<(usize, f64)>,
+}
+
+/// What became of them; of two, the first is of markers, the second of curves.
+pub struct Led {
+    /// How far each is from where it belongs, in the target's unit coordinates.
+    pub off: [Vec<f64>; 2],
+    /// Those that were left out and not met all the same.
+    pub doubtful: [Vec<u32>; 2],
+    /// The curves that were followed.
+    pub curves: Vec<Vec<CurvePoint>>,
+    /// What there is to say about them.
+    pub warnings: Vec<String>,
+}
+
+impl Marked {
+    /// By `markers`, pairs of vertices, and the curves among the options; by `None` and less than three curves, by the
+    /// shapes.
+    ///
+    /// # Errors
+    ///
+    /// As [`super::fit_correspondence`].
+    pub fn of(
+        source_side: &Side,
+        target_side: &Side,
+        markers: Option<&[[u32; 2]]>,
+        options: &FitOptions,
+        warnings: &mut Vec<String>,
+        job: &Job,
+    ) -> Result<Self> {
+        let (source, target, tolerance) = (source_side.mesh, target_side.mesh, options.marker_tolerance);
+        let found = markers.map(|markers| checked(source, target, markers, options)).transpose()?;
+        let found = found.unwrap_or_default();
+        let curves = curves::check(source, target, &options.curves)?;
+        let places = found.iter().map(|m| (m.rest, m.goal)).chain(curves.iter().map(Curve::centroids));
+        let places: Vec<(Vec3, Vec3)> = places.collect();
+        let doubts = doubtful(&places, tolerance);
+        if !options.points.is_empty() {
+            warnings.extend(markers::beside(target, &found));
+        }
+        if doubts.scatter > PROPORTIONS.max(tolerance) {
+            warnings.push(format!(
+                "markers: any of them is {:.0} % of the target's diagonal away from where the others put it: many are \
+                 misplaced or exchanged, or the meshes have little in common",
+                100.0 * doubts.scatter
+            ));
+        }
+        let kept = |i: usize| tolerance == 0.0 || doubts.markers.iter().all(|d| d.0 != i);
+        let trusted: Vec<_> = (0..places.len()).filter(|&i| kept(i)).map(|i| places[i]).collect();
+        let open = markers::left_open(&places);
+        let mut lie = if markers.is_some() || open.is_none() {
+            warnings.extend(open);
+            Lie::of(&trusted, Vec::new(), doubts.scatter)
+        } else {
+            without_markers(source_side, target_side, tolerance, warnings, job)?
+        };
+        let followed = (0..found.len()).filter(|&i| kept(i)).map(|i| found[i]);
+        lie.markers = followed.collect();
+        let followed = lie.markers.clone();
+        let mut of_curves = Vec::with_capacity(curves.len());
+        for (i, curve) in curves.iter().enumerate() {
+            let matched = curve.matched(&followed, lie.turn.unwrap_or(Mat3::IDENTITY));
+            if matched.is_err() {
+                warnings.push(format!(
+                    "curves: number {i}: the markers on it come in another order on the target, so that it is matched \
+                     by its length alone: look whether any are swapped"
+                ));
+            }
+            let matched: Matched = matched.unwrap_or_else(|matched| matched);
+            let as_markers = curve.markers(source, &matched);
+            if kept(found.len() + i) {
+                lie.markers.extend(&as_markers);
+            }
+            of_curves.push((as_markers, curve.places(&matched)));
+        }
+        Ok(Self { lie, led_by: LedBy { markers: found, curves: of_curves, doubts: doubts.markers } })
+    }
+}
+
+fn checked(source: &Mesh, target: &Mesh, markers: &[[u32; 2]], options: &FitOptions) -> Result<Vec<Marker>> {
+    let pairs: Vec<[u32; 2]> =
+        markers.iter().map(|&[s, t]| [source.representative(s), target.representative(t)]).collect();
+    let unit = |mesh: &Mesh, points: &[Vec3]| -> Vec<Vec3> {
+        points.iter().map(|&p| mesh.frame().to_unit(p)).collect()
+    };
+    let points = [unit(source, &options.source_points), unit(target, &options.points)];
+    markers::check(source, target, &pairs, points.each_ref().map(Vec::as_slice))
+}
+
+/// How the meshes lie on each other by their shapes alone.
+fn without_markers(
+    source: &Side,
+    target: &Side,
+    tolerance: f64,
+    warnings: &mut Vec<String>,
+    job: &Job,
+) -> Result<Lie> {
+    let found =
+        alignment::align(source.mesh, target.mesh, &source.masked_vertex, &target.masked_vertex, job)?;
+    if found.certainty < GUESSED {
+        let problem = "none given, and the meshes have too little in common to lie on each other without: mark at \
+                       least three pairs of vertices";
+        return Err(Error::InvalidConstraint(Fault::new("markers", problem)));
+    }
+    if found.certainty < UNSURE {
+        warnings.push(format!(
+            "markers: none given, and how the meshes lie on each other is {:.0} % sure only: look at the fit, or mark \
+             three pairs of vertices",
+            100.0 * found.certainty
+        ));
+    }
+    Ok(Lie::by(&found, source.mesh, tolerance))
+}
+
+impl LedBy {
+    /// What became of them with the source's vertices at `x`; `given` are the markers as they were given.
+    pub fn told(self, x: &[Vec3], given: Option<&[[u32; 2]]>, tolerance: f64) -> Led {
+        let mean = |(markers, _): &(Vec<Marker>, _)| {
+            markers.iter().map(|m| m.off(x)).sum::<f64>() / markers.len().max(1) as f64
+        };
+        let off: [Vec<f64>; 2] =
+            [self.markers.iter().map(|m| m.off(x)).collect(), self.curves.iter().map(mean).collect()];
+        let count = self.markers.len();
+        let of = |i: usize| if i < count { (0, i) } else { (1, i - count) };
+        let (mut doubtful, mut warnings) = ([Vec::new(), Vec::new()], Vec::new());
+        let met = |i: usize| off[of(i).0][of(i).1] <= MET * tolerance;
+        for &(i, by) in self.doubts.iter().filter(|d| tolerance == 0.0 || !met(d.0)) {
+            let (side, number) = of(i);
+            doubtful[side].push(number as u32);
+            let what = if tolerance == 0.0 { "kept, since the tolerance is 0" } else { "left out" };
+            let who = match side {
+                0 => format!(
+                    "markers: number {number} (source vertex {})",
+                    given.map_or(0, |given| given[number][0])
+                ),
+                _ => format!("curves: number {number}"),
+            };
+            let percent = 100.0 * by;
+            warnings.push(format!(
+                "{who} is {percent:.1} % of the target's diagonal away from where the others put it; {what}: look \
+                 whether it is out of place or swapped"
+            ));
+        }
+        let left_out = |i: usize| tolerance > 0.0 && self.doubts.iter().any(|d| d.0 == i);
+        let missed = |i: &usize| tolerance > 0.0 && !left_out(*i) && !met(*i);
+        warnings.extend((count..count + self.curves.len()).filter(missed).map(|i| {
+            let (number, percent) = (i - count, 100.0 * off[1][i - count]);
+            format!(
+                "curves: number {number} is met within {percent:.1} % of the target's diagonal only: look whether it is \
+                 the same one on both meshes"
+            )
+        }));
+        let followed =
+            |(i, (_, places)): (usize, (_, Vec<CurvePoint>))| (!left_out(count + i)).then_some(places);
+        let curves = self.curves.into_iter().enumerate().filter_map(followed).collect();
+        Led { off, doubtful, curves, warnings }
+    }
+}
