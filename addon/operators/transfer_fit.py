@@ -19,6 +19,7 @@ from ..properties.transfer import (
     marker_tolerance_property,
     mask_property,
     match_distance_property,
+    overlap_property,
     scale_property,
     unmatched_property,
 )
@@ -46,6 +47,7 @@ class FitProperties:
     target: StringProperty(**TARGET)
     markers: StringProperty(**MARKERS)
     filepath: StringProperty(**MARKER_FILE)
+    overlap: overlap_property()
     marker_tolerance: marker_tolerance_property()
     match_distance: match_distance_property()
     closest: closest_property()
@@ -107,14 +109,21 @@ class Request:
 
     def __init__(self, operator, context):
         sources, targets = both_sides(context, operator.source, operator.target)
-        self.source, self.target = Assembly(sources), Assembly(targets)
+        self.source = Assembly(sources)
+        self.target = Assembly(targets, self.source.origin if operator.overlap else None)
         self._listed = bridge_markers.of_scene(context.scene)
-        self._own = not (operator.markers or operator.filepath)
-        self.pairs, self.warnings = bridge_markers.gather(
-            context, sources, targets, operator.markers, operator.filepath
+        given = operator.markers, operator.filepath
+        self._own = not (any(given) or operator.overlap)
+        if operator.overlap and any(given):
+            raise Refused(
+                "Meshes that overlap need no markers: give markers, or say that they overlap, not both"
+            )
+        self.pairs, self.warnings = (
+            ([], []) if operator.overlap else bridge_markers.gather(context, sources, targets, *given)
         )
         self.options = {
-            name: getattr(operator, name) for name in ("marker_tolerance", "match_distance", "closest")
+            name: getattr(operator, name)
+            for name in ("overlap", "marker_tolerance", "match_distance", "closest")
         }
         for side in ("source", "target"):
             group = getattr(operator, f"{side}_mask")

@@ -43,7 +43,7 @@ class FitReport(Report):
     unmatched_target_percent: float
     """Their share of the target's area, in percent."""
     certainty: float
-    """How sure it is that the meshes lie on each other as they were laid, 0-1; 1 by markers."""
+    """How sure it is that the meshes lie on each other as they were laid, 0-1; 1 by markers or ``overlap``."""
     rounds: int
     """Rounds of closest points done."""
     seconds: float
@@ -108,11 +108,12 @@ def fit_correspondence(
         off by ``marker_tolerance``; one that lies where the others do not put it is named and left out.
     points: (k, 3), where on the target the markers' source vertices belong, in its units, where that is not
         at its vertices.
-    options: those of ``lissom.options("fit")``.
+    options: those of ``lissom.options("fit")``. With ``overlap=True`` nothing is pulled: the meshes lie on
+        each other as they are, as clothes lie on a body (Abdrashitov et al. 2023).
 
-    Raises InvalidConstraint for an empty list of markers, indices out of range, vertices marked twice, and
-    meshes with too little in common to do without markers; InvalidValue for an option out of range;
-    SolveFailed; OutOfMemory; Cancelled.
+    Raises InvalidConstraint for an empty list of markers, indices out of range, vertices marked twice, meshes
+    with too little in common to do without markers, and meshes that are to overlap but do not, or have
+    markers besides; InvalidValue for an option out of range; SolveFailed; OutOfMemory; Cancelled.
     """
     return start_fit(source, target, markers, points, **options).result()
 

@@ -254,7 +254,7 @@ def test_one_button_transfers_what_is_chosen(panels):
     settings.pose_name, settings.exists, settings.contact = "Open", "RENAME", True
     settings.bake_step, settings.bake_path, settings.match_distance = 3, "/a.pc2", 0.03
     shared = {"match_distance": settings.match_distance, "closest": settings.closest}
-    shared["marker_tolerance"] = settings.marker_tolerance
+    shared |= {"marker_tolerance": settings.marker_tolerance, "overlap": False}
     shared |= {"source_mask": "", "target_mask": ""}
     dressed = {"vertex_groups": True, "uv_maps": False, "colours": True, "exists": "RENAME"}
     settings.uv_maps = False

@@ -14,6 +14,8 @@ pub struct Correspondence {
     pub back_images: Vec<Option<SurfacePoint>>,
     /// The rotation by which the target lies turned against the source: displacements are to be turned by it.
     pub turn: Mat3,
+    /// The meshes lie on each other as they are: motions keep their size.
+    pub overlap: bool,
 }
 
 impl Correspondence {
@@ -31,7 +33,7 @@ impl Correspondence {
         let pairs = pairs_in_use(source, target, &self.pairs)?;
         let images = images_in_use(source, target, &self.images)?;
         let back_images = images_in_use(target, source, &self.back_images)?;
-        Ok(Self { pairs, images, back_images, turn: self.turn })
+        Ok(Self { pairs, images, back_images, turn: self.turn, overlap: self.overlap })
     }
 }
 

@@ -12,6 +12,7 @@
 use super::anchor::Anchors;
 use super::choose::{Chooser, SourceKey};
 use super::options::Unmatched;
+use super::scale::Sizes;
 use crate::geometry::rigid::{self, Alignment};
 use crate::geometry::rows::Rows;
 use crate::geometry::surface::Surface;
@@ -45,7 +46,7 @@ struct PlacedComponent {
 }
 
 impl Placer {
-    /// Prepares the components of `target`, whose stitching matrix is `matrix`; `gain` as [`super::scale::gain`].
+    /// Prepares the components of `target`, whose stitching matrix is `matrix`; `sizes` as [`super::scale`] has them.
     pub fn new(
         source: &Mesh,
         target: &Mesh,
@@ -53,7 +54,7 @@ impl Placer {
         chooser: &Chooser,
         anchors: &Anchors,
         unmatched: Unmatched,
-        gain: Option<f64>,
+        sizes: Sizes,
     ) -> Self {
         let mut parts: Vec<PlacedComponent> = target
             .components()
@@ -72,8 +73,8 @@ impl Placer {
             }
         }
         for part in &mut parts {
-            part.size = part.size_ratio(source, target, chooser);
-            part.gain = gain.unwrap_or(part.size);
+            part.size = sizes.size(part.size_ratio(source, target, chooser));
+            part.gain = sizes.gain(part.size);
         }
         let mut placer = Self { parts, rows: matrix.rows() };
         placer.find_neighbours(target, chooser, unmatched);

@@ -19,12 +19,31 @@ use super::options::Scale;
 use super::place::Placer;
 use crate::{Mat3, Mesh, Vec3};
 
-/// What a displacement in the source's unit coordinates is in the target's, where motions keep their own size;
-/// `None` where they go with the size of the target.
-pub fn gain(source: &Mesh, target: &Mesh, scale: Scale) -> Option<f64> {
-    match scale {
-        Scale::Target => None,
-        Scale::Source => Some(source.frame().scale / target.frame().scale),
+/// How lengths in the unit coordinates of the source become those of the target.
+#[derive(Debug, Clone, Copy)]
+pub struct Sizes {
+    /// `r`, where it is not each component's own.
+    size: Option<f64>,
+    /// What displacements are multiplied with, where it is not `r`.
+    gain: Option<f64>,
+}
+
+impl Sizes {
+    /// By an option; meshes that `overlap` have one size, however far off the body clothes lie.
+    pub fn new(source: &Mesh, target: &Mesh, scale: Scale, overlap: bool) -> Self {
+        let as_they_are = Some(source.frame().scale / target.frame().scale);
+        let keep = scale == Scale::Source;
+        Self { size: as_they_are.filter(|_| overlap), gain: as_they_are.filter(|_| keep) }
+    }
+
+    /// `r` of a component that is so many times as large as what it is matched with.
+    pub fn size(self, own: f64) -> f64 {
+        self.size.unwrap_or(own)
+    }
+
+    /// What displacements are multiplied with, for a component with this `r`.
+    pub fn gain(self, size: f64) -> f64 {
+        self.gain.unwrap_or(size)
     }
 }
 
@@ -35,10 +54,10 @@ pub struct Scaling {
 
 impl Scaling {
     /// The lengths of components against those of their anchors, or of their matches.
-    pub fn new(target: &Mesh, anchors: &Anchors, placer: &Placer, gain: Option<f64>) -> Self {
+    pub fn new(target: &Mesh, anchors: &Anchors, placer: &Placer, sizes: Sizes) -> Self {
         let factor = |c: usize| {
             let size = if anchors.hold(c) { anchors.size(c) } else { placer.size(c) };
-            gain.map_or(1.0, |gain| gain / size)
+            sizes.gain(size) / size
         };
         Self { factors: (0..target.components().count()).map(factor).collect() }
     }

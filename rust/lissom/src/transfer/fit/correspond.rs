@@ -7,12 +7,12 @@ use super::doubtful::doubtful;
 use super::lie::Lie;
 use super::markers::{self, Marker};
 use super::options::FitOptions;
+use super::overlap::overlap;
 use super::registration::register;
+use super::same::same;
 use super::side::{Placed, Side};
 use crate::options::OptionSet;
 use crate::transfer::alignment;
-use crate::transfer::correspondence::Correspondence;
-use crate::transfer::image::SurfacePoint;
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
 
 /// Without markers, the meshes lie on each other less surely than this by chance, and are refused; ...
@@ -52,7 +52,12 @@ pub fn fit_correspondence(
     let pairs: Vec<[u32; 2]> = (markers.into_iter().flatten())
         .map(|&[s, t]| [source.representative(s), target.representative(t)])
         .collect();
+    if options.overlap && markers.is_some() {
+        let problem = "given, but meshes that overlap lie where they are: leave one of the two out";
+        return Err(Error::InvalidConstraint(Fault::new("markers", problem)));
+    }
     if pairs.is_empty()
+        && !options.overlap
         && source.triangles() == target.triangles()
         && source.rest().len() == target.rest().len()
     {
@@ -68,6 +73,12 @@ pub fn fit_correspondence(
     let onto = Placed::new(&target_side, target.rest());
     job.report(0.0, "fit");
     job.check()?;
+    if options.overlap {
+        let report = FitReport { warnings, ..FitReport::default() };
+        let mut fit = overlap(&source_side, &onto, options.match_distance, report, job)?;
+        fit.report.seconds = start.elapsed().as_secs_f64();
+        return Ok(fit);
+    }
 
     let (found, doubts, lie) = match markers {
         Some(_) => {
@@ -103,7 +114,8 @@ pub fn fit_correspondence(
         )
     }));
     let report = FitReport { rounds, warnings, certainty: lie.certainty, ..FitReport::default() };
-    let mut fit = conclude(&Placed::new(&source_side, &x), &onto, options.match_distance, report, job)?;
+    let mut fit =
+        conclude(&Placed::new(&source_side, &x), &onto, options.match_distance, report, false, job)?;
     fit.matches.turn = lie.turn.unwrap_or(Mat3::IDENTITY);
     fit.marker_distances = off.iter().map(|off| off * target.frame().scale).collect();
     fit.doubtful_markers = wrong.iter().map(|&(i, _)| i as u32).collect();
@@ -134,35 +146,6 @@ fn without_markers(source: &Side, target: &Side, warnings: &mut Vec<String>, job
         ));
     }
     Ok(Lie::by(&found, source.mesh))
-}
-
-/// The fit of a mesh onto one of the same vertices and triangles: each belongs to its own like.
-fn same(source: &Mesh, target: &Mesh, warnings: Vec<String>) -> Fit {
-    let ids = |(&s, &t): (&u32, &u32)| [s, t];
-    let pairs = source.triangle_ids().iter().zip(target.triangle_ids()).map(ids).collect();
-    let corners = |mesh: &Mesh| {
-        let mut images = vec![None; mesh.vertices().len()];
-        for (t, &triangle) in mesh.triangles().iter().zip(mesh.triangle_ids()) {
-            for (corner, &v) in t.iter().enumerate() {
-                images[v as usize] = Some(SurfacePoint { triangle, weights: Vec3::AXES[corner] });
-            }
-        }
-        mesh.follow(&mut images);
-        images
-    };
-    let (images, back_images) = (corners(source), corners(target));
-    let n = images.len();
-    Fit {
-        matches: Correspondence { pairs, images, back_images, turn: Mat3::IDENTITY },
-        fitted_vertices: target.vertices().to_vec(),
-        distances: vec![0.0; n],
-        image_distances: vec![0.0; n],
-        stretch: vec![1.0; source.input_triangles()],
-        flipped: Vec::new(),
-        marker_distances: Vec::new(),
-        doubtful_markers: Vec::new(),
-        report: FitReport { warnings, certainty: 1.0, ..FitReport::default() },
-    }
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::images;
 use super::matching::match_triangles;
+use super::overlap;
 use super::side::Placed;
 use crate::geometry::rigid;
 use crate::geometry::surface::{Hit, Surface};
@@ -11,7 +12,7 @@ use crate::geometry::triangle::normal_and_area;
 use crate::operators::gradient::triangle_gradient;
 use crate::transfer::correspondence::Correspondence;
 use crate::transfer::image::SurfacePoint;
-use crate::{Error, Job, Mat3, Mesh, Result, Vec3};
+use crate::{Error, Job, Mesh, Result, Vec3};
 
 /// A vertex is stuck on the wrong side when the nearest point that faces its way is further away
 /// than the nearest point of all by this fraction of the diagonal: thin sheets have both sides close.
@@ -67,7 +68,7 @@ pub struct FitReport {
     pub unmatched_source_percent: f64,
     /// Their share of the target's area, in percent.
     pub unmatched_target_percent: f64,
-    /// How sure it is that the meshes lie on each other as they were laid, 0-1; 1 by markers.
+    /// How sure it is that the meshes lie on each other as they were laid, 0-1; 1 by markers, and where they overlap.
     pub certainty: f64,
     /// Rounds of closest points.
     pub rounds: usize,
@@ -77,12 +78,13 @@ pub struct FitReport {
     pub warnings: Vec<String>,
 }
 
-/// Matches the triangles and takes stock.
+/// Matches the triangles and takes stock. Where the meshes `overlap` nothing was moved, so that nothing has folded.
 pub fn conclude(
     fitted: &Placed,
     onto: &Placed,
     match_distance: f64,
     mut report: FitReport,
+    overlap: bool,
     job: &Job,
 ) -> Result<Fit> {
     let (source, target, x) = (fitted.side.mesh, onto.side.mesh, fitted.positions);
@@ -98,7 +100,7 @@ pub fn conclude(
     (report.distance_mean, report.distance_max) = (mean * frame.scale, largest * frame.scale);
     (report.distance_mean_percent, report.distance_max_percent) = (100.0 * mean, 100.0 * largest);
 
-    let flipped = flipped(fitted, &onto.surface, match_distance);
+    let flipped = if overlap { Vec::new() } else { flipped(fitted, &onto.surface, match_distance) };
     report.flipped_triangles = flipped.len();
     let stretches = stretches(source, x);
     report.stretched_triangles = stretches.iter().filter(|&&s| s > STRETCHED).count();
@@ -111,8 +113,9 @@ pub fn conclude(
     }
 
     let (pairs, partners) = match_triangles(fitted, onto, match_distance, job)?;
-    let images = images::images(fitted, onto, &partners.of_target, match_distance, job)?;
-    let back_images = images::images(onto, fitted, &partners.of_source, match_distance, job)?;
+    let find = if overlap { overlap::images } else { images::images };
+    let images = find(fitted, onto, &partners.of_target, match_distance, job)?;
+    let back_images = find(onto, fitted, &partners.of_source, match_distance, job)?;
     for (side, mesh) in [source, target].into_iter().enumerate() {
         let mut matched = vec![false; mesh.triangles().len()];
         for pair in &pairs {
@@ -154,9 +157,9 @@ pub fn conclude(
     }
     let matches = Correspondence {
         pairs: pairs.iter().map(given).collect(),
-        turn: Mat3::IDENTITY,
         images: as_given(images, source, target),
         back_images: as_given(back_images, target, source),
+        ..Correspondence::default()
     };
     let flipped = flipped.into_iter().map(|t| source.triangle_ids()[t]).collect();
     Ok(Fit {
