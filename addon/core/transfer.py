@@ -1,6 +1,5 @@
 """Transfer of keys: fit where none is at hand, then all keys as right-hand sides of one factorization."""
 
-import re
 from typing import NamedTuple
 
 import lissom
@@ -8,8 +7,6 @@ import numpy as np
 
 from .refused import Refused
 from .work import Block, Work
-
-_NUMBERED = re.compile(r"markers: number (\d+) \(source vertex \d+\) is ")
 
 
 def fit_work(source, target, markers, options):
@@ -43,22 +40,21 @@ def fit_steps(source, target, markers, options):
     return fit
 
 
-def told(fit, names):
+def told(fit, names, exact):
     """A fit's warnings with its markers as a list of these ``names`` shows them, which counts from 1."""
-
-    def listed(match):
-        number = int(match[1])
-        return f"marker {number + 1}, '{names[number]}', is "
-
-    return [_NUMBERED.sub(listed, warning) for warning in fit.report["warnings"]]
+    own = [f"marker {i + 1}, '{names[i]}', is {why}" for i, why in doubts(fit, exact).items()]
+    return [line for line in fit.report["warnings"] if line not in fit.doubtful_warnings] + own
 
 
-def doubts(fit):
-    """{number: why} of the markers that a fit doubts."""
-    said = dict.fromkeys(fit.doubtful_markers.tolist(), "not where the others put it")
-    for match in filter(None, map(_NUMBERED.match, fit.report["warnings"])):
-        said[int(match[1])] = match.string[match.end() :]
-    return said
+def doubts(fit, exact):
+    """{number: why} of the markers that a fit doubts; ``exact`` ones are followed all the same."""
+    what = "kept, since the tolerance is 0" if exact else "left out"
+    doubted = zip(fit.doubtful_markers.tolist(), fit.doubtful_percents, strict=True)
+    return {
+        number: f"{percent:.1f} % of the target's size away from where the others put it; {what}: "
+        "look whether it is out of place or swapped"
+        for number, percent in doubted
+    }
 
 
 class Carried(NamedTuple):

@@ -11,7 +11,10 @@ from .. import session
 from ..bridge import checks, shape_keys
 from ..bridge import markers as bridge_markers
 from ..bridge.assembly import Assembly, both_sides
+from ..core import marks
+from ..core.colours import LIMIT
 from ..core.refused import Refused
+from ..core.region import weakest, words
 from ..core.transfer import doubts, fit_work, told
 from ..properties.transfer import (
     closest_property,
@@ -82,7 +85,8 @@ class Memory(NamedTuple):
     """A fit with what it was made of: a digest to know it by, objects and pairs of vertices for the panel.
 
     ``doubts`` has the name of each doubtful marker, and what is said against it, by its vertices, not its
-    row: rows change places, and a marker that is corrected is free of doubt.
+    row: rows change places, and a marker that is corrected is free of doubt. ``weak`` says which region is
+    off most, or nothing.
     """
 
     digest: str
@@ -92,6 +96,7 @@ class Memory(NamedTuple):
     fit: object
     summary: str
     doubts: dict
+    weak: str
 
 
 def summary(report):
@@ -131,6 +136,7 @@ class Request:
                 self.options[f"{side}_mask"] = getattr(self, side).mask(group)
         self._vertices = [marker.vertices for marker in self.pairs]
         self._names = [marker.name for marker in self.pairs]
+        self._exact = operator.marker_tolerance == 0
         self.markers = np.array(self._vertices, dtype=np.int64) if self.pairs else None
 
     def geometry(self):
@@ -151,15 +157,27 @@ class Request:
         """The fit in memory, if it was made of just this."""
         return session.fit.fit if session.fit and session.fit.digest == self.digest() else None
 
+    def _weak(self, fit):
+        vertices, triangles = self.source.geometry()
+        diagonal = marks.diagonal(self.target.rest())
+        found = weakest(fit, triangles, LIMIT * diagonal)
+        if found is None:
+            return ""
+        worst = found[fit.distances[found].argmax()]
+        marked = [marker.source for marker in self.pairs]
+        place = words(vertices[worst], vertices, marked, self._names)
+        off = 100 * fit.distances[worst] / diagonal
+        return f"Least sure {place} of the source, up to {off:.1f} % off: look there"
+
     def told(self, fit):
         """What there is to warn of, about the markers and the fit."""
-        return [*self.warnings, *told(fit, self._names)]
+        return [*self.warnings, *told(fit, self._names, self._exact)]
 
     def remember(self, context, fit):
         """Keeps the fit for the next transfer, and in the scene where its markers are now."""
-        doubted = {self._vertices[i]: (self._names[i], why) for i, why in doubts(fit).items()}
+        doubted = {self._vertices[i]: (self._names[i], why) for i, why in doubts(fit, self._exact).items()}
         known = self.digest(), self.source, self.target, self._vertices
-        session.fit = Memory(*known, fit, summary(fit.report), doubted)
+        session.fit = Memory(*known, fit, summary(fit.report), doubted, self._weak(fit))
         if self._own and self._listed and self._listed == bridge_markers.of_scene(context.scene):
             ends = self.source.objects()[0], self.target.objects()[0]
             bridge_markers.put(context.scene, self.pairs, *ends)

@@ -229,6 +229,8 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         listed = [] if settings.overlap else [(row.source, row.target) for row in settings.markers]
         if memory.pairs == listed:
             draw_lines(layout, "CHECKMARK", memory.summary)
+            if memory.weak:
+                draw_lines(layout, "INFO", memory.weak)
         else:
             draw_lines(layout, "INFO", "The markers were changed since the last fit: Transfer fits again")
 

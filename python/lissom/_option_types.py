@@ -105,6 +105,8 @@ class TransferOptions(TypedDict, total=False):
     """How much each triangle of the target counts."""
     scale: Literal["target", "source"]
     """How far the target goes for what the source does."""
+    frames: Literal["global", "local"]
+    """In which directions a place of the target moves."""
     anchor: float
     """The length below which gradients rule and beyond it displacements: lower suits shapes that are much
     alike, inf is gradients alone."""

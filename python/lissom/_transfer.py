@@ -43,7 +43,7 @@ class FitReport(Report):
     unmatched_target_percent: float
     """Their share of the target's area, in percent."""
     certainty: float
-    """How sure it is that the meshes lie on each other as they were laid, 0-1; 1 by markers or ``overlap``."""
+    """How sure it is that the meshes lie on each other as laid, 0-1; 1 by markers or ``overlap``."""
     rounds: int
     """Rounds of closest points done."""
     seconds: float
@@ -76,6 +76,10 @@ class Fit:
     """(k,) from each marker's place on the fitted source to where it was marked, in the target's units."""
     doubtful_markers: NDArray[np.int64]
     """(d,) the markers, by number, that lie where the others do not put them and were left out."""
+    doubtful_percents: NDArray[np.float64]
+    """(d,) how far each of these is from there, in percent of the target's diagonal."""
+    doubtful_warnings: list[str]
+    """What the warnings say of each of these."""
     report: FitReport
     """How well it went."""
     _core: _native.Fit = field(repr=False)

@@ -14,7 +14,7 @@
 //! and applied to the component as it is, so that similarities come over as such.
 
 use super::choose::Chooser;
-use super::scale::Sizes;
+use super::sizes::Sizes;
 use crate::geometry::rigid::{self, Alignment, Similarity};
 use crate::{Mat3, Mesh, Vec3};
 

@@ -22,7 +22,8 @@ use super::correspondence::Correspondence;
 use super::obstacle::{Least, Obstacles};
 use super::options::{TransferOptions, Unmatched, Weighting};
 use super::place::Placer;
-use super::scale::{Scaling, Sizes};
+use super::scale::Scaling;
+use super::sizes::Sizes;
 use crate::linear::{ConstrainedSystem, Constraints, REGULARIZED};
 use crate::options::OptionSet;
 use crate::stitch::{Owners, Reference, Stitcher, Weights};
@@ -94,7 +95,7 @@ impl Transfer {
         let used = matches.in_use(&source, &target)?;
         let turn = matches.turn;
         let source = if turn == Mat3::IDENTITY { source } else { Arc::new(source.turned(turn)) };
-        let chooser = Chooser::new(&source, &target, &used.pairs, &used.images)?;
+        let chooser = Chooser::new(&source, &target, &used.pairs, &used.images, options.frames)?;
         job.check()?;
         let weights = weights(&target, &chooser, options.weighting);
         let sizes = Sizes::new(&source, &target, options.scale, matches.overlap);

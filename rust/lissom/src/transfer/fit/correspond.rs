@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::diagnosis::{Fit, FitReport, conclude};
+use super::diagnosis::{DoubtfulMarker, Fit, FitReport, conclude};
 use super::doubtful::doubtful;
 use super::lie::Lie;
 use super::markers::{self, Marker};
@@ -104,21 +104,23 @@ pub fn fit_correspondence(
     let off: Vec<f64> = found.iter().map(|m| m.place(&x).distance(m.goal)).collect();
     let tolerance = options.marker_tolerance;
     let wrong = |d: &&(usize, f64)| tolerance == 0.0 || off[d.0] > MET * tolerance;
-    let wrong: Vec<(usize, f64)> = doubts.iter().filter(wrong).copied().collect();
-    warnings.extend(wrong.iter().map(|&(i, by)| {
+    let doubted = |&(i, by): &(usize, f64)| {
         let what = if tolerance == 0.0 { "kept, since the tolerance is 0" } else { "left out" };
         let (vertex, percent) = (markers.map_or(0, |markers| markers[i][0]), 100.0 * by);
-        format!(
+        let warning = format!(
             "markers: number {i} (source vertex {vertex}) is {percent:.1} % of the target's diagonal away from where \
              the others put it; {what}: look whether it is out of place or swapped"
-        )
-    }));
+        );
+        DoubtfulMarker { marker: i as u32, percent, warning }
+    };
+    let doubtful_markers: Vec<DoubtfulMarker> = doubts.iter().filter(wrong).map(doubted).collect();
+    warnings.extend(doubtful_markers.iter().map(|doubtful| doubtful.warning.clone()));
     let report = FitReport { rounds, warnings, certainty: lie.certainty, ..FitReport::default() };
     let mut fit =
         conclude(&Placed::new(&source_side, &x), &onto, options.match_distance, report, false, job)?;
     fit.matches.turn = lie.turn.unwrap_or(Mat3::IDENTITY);
     fit.marker_distances = off.iter().map(|off| off * target.frame().scale).collect();
-    fit.doubtful_markers = wrong.iter().map(|&(i, _)| i as u32).collect();
+    fit.doubtful_markers = doubtful_markers;
     fit.report.seconds = start.elapsed().as_secs_f64();
     job.report(1.0, "match");
     Ok(fit)
@@ -229,7 +231,8 @@ mod tests {
             points[wrong] += Vec3::new(0.1, -0.15, 0.1);
             let options = FitOptions { points, ..FitOptions::default() };
             let fit = fit_correspondence(&mesh, &mesh, Some(&markers), &options, &Job::default()).unwrap();
-            assert_eq!(fit.doubtful_markers, [wrong as u32]);
+            let doubted: Vec<u32> = fit.doubtful_markers.iter().map(|doubtful| doubtful.marker).collect();
+            assert_eq!(doubted, [wrong as u32]);
             let named = format!("number {wrong} (source vertex {})", markers[wrong][0]);
             assert!(fit.report.warnings.iter().any(|w| w.contains(&named)), "{:?}", fit.report.warnings);
             let off = fit.fitted_vertices.iter().zip(mesh.vertices()).map(|(a, b)| a.distance(*b));

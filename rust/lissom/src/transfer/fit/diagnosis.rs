@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use super::images;
 use super::matching::match_triangles;
-use super::overlap;
 use super::side::Placed;
 use crate::geometry::rigid;
 use crate::geometry::surface::{Hit, Surface};
@@ -39,10 +38,21 @@ pub struct Fit {
     pub flipped: Vec<u32>,
     /// How far each marker's place on the fitted source is from where it was marked, in the target's units.
     pub marker_distances: Vec<f64>,
-    /// Markers that lie where the others do not put them, by their number.
-    pub doubtful_markers: Vec<u32>,
+    /// Markers that lie where the others do not put them.
+    pub doubtful_markers: Vec<DoubtfulMarker>,
     /// How well it went.
     pub report: FitReport,
+}
+
+/// A marker that lies where the others do not put it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DoubtfulMarker {
+    /// Its number.
+    pub marker: u32,
+    /// How far it is from there, in percent of the target's diagonal.
+    pub percent: f64,
+    /// What the warnings say of it.
+    pub warning: String,
 }
 
 /// What a fit says about itself.
@@ -113,7 +123,7 @@ pub fn conclude(
     }
 
     let (pairs, partners) = match_triangles(fitted, onto, match_distance, job)?;
-    let find = if overlap { overlap::images } else { images::images };
+    let find = if overlap { images::images_of_overlap } else { images::images };
     let images = find(fitted, onto, &partners.of_target, match_distance, job)?;
     let back_images = find(onto, fitted, &partners.of_source, match_distance, job)?;
     for (side, mesh) in [source, target].into_iter().enumerate() {

@@ -32,5 +32,5 @@ mod same;
 mod side;
 
 pub use correspond::fit_correspondence;
-pub use diagnosis::{Fit, FitReport, STRETCHED};
+pub use diagnosis::{DoubtfulMarker, Fit, FitReport, STRETCHED};
 pub use options::FitOptions;
