@@ -56,13 +56,14 @@ def world_matrix(obj):
 
 
 class Assembly:
-    """Mesh objects as one mesh, in the solve space of the first: its location is the origin."""
+    """Mesh objects as one mesh, in the solve space of the first, whose location is the origin by default."""
 
-    def __init__(self, objects):
+    def __init__(self, objects, origin=None):
         self._matrices = np.array([world_matrix(obj) for obj in objects])
         matrices = zip(objects, self._matrices, strict=True)
         self.parts = [Snapshot.of(obj, space.linear_part(matrix, obj.name)) for obj, matrix in matrices]
-        self._offsets = self._matrices[:, :3, 3] - self._matrices[0, :3, 3]
+        self.origin = self._matrices[0, :3, 3] if origin is None else origin
+        self._offsets = self._matrices[:, :3, 3] - self.origin
         counts = [len(part.vertices) for part in self.parts]
         self._starts = np.concatenate([[0], np.cumsum(counts)])
 
@@ -104,7 +105,8 @@ class Assembly:
             ends = (self._matrices[0], self._matrices[place]), (matrices[0], matrices[place])
             motion = space.part_motion(*ends[0], *ends[1])
             if motion is not None:
-                rows[place] = rows[place] @ motion[:3, :3].T + motion[:3, 3]
+                about = self._offsets[0]
+                rows[place] = (rows[place] - about) @ motion[:3, :3].T + motion[:3, 3] + about
         return np.concatenate(rows)
 
     def back(self, deltas):

@@ -27,6 +27,7 @@ def configure(parser):
     add("--source", required=True, nargs="+", help="mesh object with the keys, and further ones")
     add("--source-file", help="the .blend file with the source (default: that of the target)")
     add("--markers", default="", help="marker file (default: the file's markers; without any, the shapes)")
+    add("--overlap", **argument("fit", "overlap"))
     what = parser.add_mutually_exclusive_group().add_argument
     what("--keys", nargs="+", default=[], help="names of the shape keys (default: all)")
     what("--pose", metavar="NAME", help="in place of keys: what the source looks like, as this shape key")
@@ -94,6 +95,7 @@ def _common(arguments, sources):
         "unmatched": arguments.loose_parts,
         "scale": arguments.scale,
         "contact": arguments.contact,
+        "overlap": arguments.overlap,
         "marker_tolerance": arguments.marker_tolerance,
         "match_distance": arguments.match_distance,
         "closest": arguments.tightness,

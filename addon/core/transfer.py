@@ -1,6 +1,5 @@
 """Transfer of keys: fit where none is at hand, then all keys as right-hand sides of one factorization."""
 
-import re
 from typing import NamedTuple
 
 import lissom
@@ -9,7 +8,6 @@ import numpy as np
 from .refused import Refused
 from .work import Block, Work
 
-_NUMBERED = re.compile(r"markers: number (\d+) \(source vertex \d+\) is ")
 _CURVE = re.compile(r"curves: number (\d+)")
 
 
@@ -44,26 +42,22 @@ def fit_steps(source, target, markers, options):
     return fit
 
 
-def told(fit, names, curves=()):
+def told(fit, names, exact, curves=()):
     """A fit's warnings with its markers and curves as lists of their names show them, which count from 1."""
-
-    def listed(match):
-        number = int(match[1])
-        return f"marker {number + 1}, '{names[number]}', is "
-
-    def of_curve(match):
-        return f"curve '{curves[int(match[1])]}'"
-
-    warnings = (_NUMBERED.sub(listed, warning) for warning in fit.report["warnings"])
-    return [_CURVE.sub(of_curve, warning) for warning in warnings]
+    own = [f"marker {i + 1}, '{names[i]}', is {why}" for i, why in doubts(fit, exact).items()]
+    others = [line for line in fit.report["warnings"] if line not in fit.doubtful_warnings]
+    return [_CURVE.sub(lambda match: f"curve '{curves[int(match[1])]}'", line) for line in others] + own
 
 
-def doubts(fit):
-    """{number: why} of the markers that a fit doubts."""
-    said = dict.fromkeys(fit.doubtful_markers.tolist(), "not where the others put it")
-    for match in filter(None, map(_NUMBERED.match, fit.report["warnings"])):
-        said[int(match[1])] = match.string[match.end() :]
-    return said
+def doubts(fit, exact):
+    """{number: why} of the markers that a fit doubts; ``exact`` ones are followed all the same."""
+    what = "kept, since the tolerance is 0" if exact else "left out"
+    doubted = zip(fit.doubtful_markers.tolist(), fit.doubtful_percents, strict=True)
+    return {
+        number: f"{percent:.1f} % of the target's size away from where the others put it; {what}: "
+        "look whether it is out of place or swapped"
+        for number, percent in doubted
+    }
 
 
 class Carried(NamedTuple):

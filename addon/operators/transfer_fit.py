@@ -11,7 +11,10 @@ from .. import session
 from ..bridge import checks, shape_keys
 from ..bridge import markers as bridge_markers
 from ..bridge.assembly import Assembly, both_sides
+from ..core import marks
+from ..core.colours import LIMIT
 from ..core.refused import Refused
+from ..core.region import weakest, words
 from ..core.transfer import doubts, fit_work, told
 from ..properties.transfer import (
     closest_property,
@@ -19,6 +22,7 @@ from ..properties.transfer import (
     marker_tolerance_property,
     mask_property,
     match_distance_property,
+    overlap_property,
     scale_property,
     unmatched_property,
 )
@@ -46,6 +50,7 @@ class FitProperties:
     target: StringProperty(**TARGET)
     markers: StringProperty(**MARKERS)
     filepath: StringProperty(**MARKER_FILE)
+    overlap: overlap_property()
     marker_tolerance: marker_tolerance_property()
     match_distance: match_distance_property()
     closest: closest_property()
@@ -80,7 +85,8 @@ class Memory(NamedTuple):
     """A fit with what it was made of: a digest to know it by, objects, pairs and curves for the panel.
 
     ``doubts`` has the name of each doubtful marker, and what is said against it, by its vertices, not its
-    row: rows change places, and a marker that is corrected is free of doubt.
+    row: rows change places, and a marker that is corrected is free of doubt. ``weak`` says which region is
+    off most, or nothing.
     """
 
     digest: str
@@ -91,6 +97,7 @@ class Memory(NamedTuple):
     fit: object
     summary: str
     doubts: dict
+    weak: str
 
 
 def summary(report):
@@ -112,14 +119,21 @@ class Request:
 
     def __init__(self, operator, context):
         sources, targets = both_sides(context, operator.source, operator.target)
-        self.source, self.target = Assembly(sources), Assembly(targets)
+        self.source = Assembly(sources)
+        self.target = Assembly(targets, self.source.origin if operator.overlap else None)
         self._listed = _listed(context.scene)
-        self._own = not (operator.markers or operator.filepath)
-        self.pairs, self.curves, self.warnings = bridge_markers.gather(
-            context, sources, targets, operator.markers, operator.filepath
+        given = operator.markers, operator.filepath
+        self._own = not (any(given) or operator.overlap)
+        if operator.overlap and any(given):
+            raise Refused(
+                "Meshes that overlap need no markers: give markers, or say that they overlap, not both"
+            )
+        self.pairs, self.curves, self.warnings = (
+            ([], [], []) if operator.overlap else bridge_markers.gather(context, sources, targets, *given)
         )
         self.options = {
-            name: getattr(operator, name) for name in ("marker_tolerance", "match_distance", "closest")
+            name: getattr(operator, name)
+            for name in ("overlap", "marker_tolerance", "match_distance", "closest")
         }
         for side in ("source", "target"):
             group = getattr(operator, f"{side}_mask")
@@ -129,6 +143,7 @@ class Request:
             self.options["curves"] = [tuple(map(list, curve.vertices)) for curve in self.curves]
         self._vertices = [marker.vertices for marker in self.pairs]
         self._names = [marker.name for marker in self.pairs]
+        self._exact = operator.marker_tolerance == 0
         self.markers = np.array(self._vertices, dtype=np.int64) if self.pairs else None
 
     def geometry(self):
@@ -149,16 +164,28 @@ class Request:
         """The fit in memory, if it was made of just this."""
         return session.fit.fit if session.fit and session.fit.digest == self.digest() else None
 
+    def _weak(self, fit):
+        vertices, triangles = self.source.geometry()
+        diagonal = marks.diagonal(self.target.rest())
+        found = weakest(fit, triangles, LIMIT * diagonal)
+        if found is None:
+            return ""
+        worst = found[fit.distances[found].argmax()]
+        marked = [marker.source for marker in self.pairs]
+        place = words(vertices[worst], vertices, marked, self._names)
+        off = 100 * fit.distances[worst] / diagonal
+        return f"Least sure {place} of the source, up to {off:.1f} % off: look there"
+
     def told(self, fit):
         """What there is to warn of, about the markers and the fit."""
-        return [*self.warnings, *told(fit, self._names, [curve.name for curve in self.curves])]
+        return [*self.warnings, *told(fit, self._names, self._exact, [curve.name for curve in self.curves])]
 
     def remember(self, context, fit):
         """Keeps the fit for the next transfer, and in the scene where its markers are now."""
-        doubted = {self._vertices[i]: (self._names[i], why) for i, why in doubts(fit).items()}
+        doubted = {self._vertices[i]: (self._names[i], why) for i, why in doubts(fit, self._exact).items()}
         curves = [curve.texts for curve in self.curves]
         known = self.digest(), self.source, self.target, self._vertices, curves
-        session.fit = Memory(*known, fit, summary(fit.report), doubted)
+        session.fit = Memory(*known, fit, summary(fit.report), doubted, self._weak(fit))
         if self._own and any(self._listed) and self._listed == _listed(context.scene):
             ends = self.source.objects()[0], self.target.objects()[0]
             bridge_markers.put(context.scene, self.pairs, *ends, curves=self.curves)

@@ -25,7 +25,9 @@ def _remembered():
     ]
     if None in found[0] + found[1]:
         raise Refused("An object of the last fit is gone: press Fit again")
-    source, target = (Assembly(objects) for objects in found)
+    source = Assembly(found[0])
+    overlap = memory.target.origin is memory.source.origin
+    target = Assembly(found[1], source.origin if overlap else None)
     for then, now in ((memory.source, source), (memory.target, target)):
         if not all(map(np.array_equal, then.geometry(), now.geometry())):
             raise Refused("A mesh was changed since the last fit: press Fit again")

@@ -98,7 +98,7 @@ KEY_OPTIONS = ("unmatched", "scale", "exists", "drivers", "contact", "drop_empty
 POSE_OPTIONS = ("unmatched", "scale", "exists", "contact")
 ANIMATION_OPTIONS = ("unmatched", "scale", "contact")
 ATTRIBUTE_OPTIONS = ("vertex_groups", "uv_maps", "colours", "exists")
-FIT_OPTIONS = ("marker_tolerance", "match_distance", "closest", "source_mask", "target_mask")
+FIT_OPTIONS = ("overlap", "marker_tolerance", "match_distance", "closest", "source_mask", "target_mask")
 
 
 def fit_of(settings):
@@ -135,13 +135,16 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
                 split_column(row).prop(part, "object", text=" ", icon="OUTLINER_OB_MESH")
                 remove = row.operator("lissom.transfer_parts", text="", icon="REMOVE")
                 remove.side, remove.remove = side.upper(), place
-        self._draw_markers(layout, context)
-        self._draw_curves(layout, settings)
+        split_column(layout).prop(settings, "overlap")
+        if not settings.overlap:
+            self._draw_markers(layout, context)
+            self._draw_curves(layout, settings)
         column = split_column(layout)
-        if len(settings.markers):
+        if len(settings.markers) and not settings.overlap:
             column.prop(settings, "marker_tolerance")
         column.prop(settings, "match_distance")
-        column.prop(settings, "closest")
+        if not settings.overlap:
+            column.prop(settings, "closest")
         for side in ("source", "target"):
             objects = [getattr(settings, side), *(part.object for part in getattr(settings, f"{side}_parts"))]
             objects = list(filter(None, objects))
@@ -232,12 +235,16 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         row.operator(
             "lissom.fit_show", text="Hide Fit" if shown else "Show Fit", icon="COLOR", depress=shown
         ).show = not shown
-        row.operator("lissom.marker_suggest", icon="OUTLINER_OB_LIGHT")
+        if not settings.overlap:
+            row.operator("lissom.marker_suggest", icon="OUTLINER_OB_LIGHT")
         if shown:
             draw_lines(layout, "NONE", LEGEND.format(limit=100 * LIMIT))
-        curves = [row.vertices for row in settings.curves]
-        if memory.pairs == [(row.source, row.target) for row in settings.markers] and memory.curves == curves:
+        markers = [(row.source, row.target) for row in settings.markers]
+        listed = ([], []) if settings.overlap else (markers, [row.vertices for row in settings.curves])
+        if (memory.pairs, memory.curves) == listed:
             draw_lines(layout, "CHECKMARK", memory.summary)
+            if memory.weak:
+                draw_lines(layout, "INFO", memory.weak)
         else:
             draw_lines(layout, "INFO", "The markers were changed since the last fit: Transfer fits again")
 

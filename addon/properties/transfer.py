@@ -52,6 +52,11 @@ def closest_property():
     return option_property(option("fit", "closest", "Tightness", high=1e6), precision=0)
 
 
+def overlap_property():
+    """The option of the same name of lissom.start_fit."""
+    return option_property(option("fit", "overlap", "They Overlap"))
+
+
 def mask_property(side):
     """A vertex group of the source or the target, for the option of lissom.start_fit of that name."""
     return StringProperty(
@@ -313,6 +318,7 @@ class LissomTransfer(bpy.types.PropertyGroup):
         ],
     )
     chosen: CollectionProperty(type=LissomKeyChoice)
+    overlap: overlap_property()
     marker_tolerance: marker_tolerance_property()
     match_distance: match_distance_property()
     closest: closest_property()

@@ -90,6 +90,9 @@ class FitOptions(TypedDict, total=False):
     """Rounds of closest points at each pull."""
     match_distance: float
     """How far the centre of a triangle may be from the other surface to be matched there."""
+    overlap: bool
+    """The meshes lie on each other as they are, as clothes lie on a body: every place belongs to the closest
+    one within `match_distance`, nothing is pulled, and motions keep their size. Takes no markers."""
     source_mask: ArrayLike | None
     """Vertices of the source that match nothing: the inside of a mouth, eye sockets."""
     target_mask: ArrayLike | None
@@ -105,6 +108,8 @@ class TransferOptions(TypedDict, total=False):
     """How much each triangle of the target counts."""
     scale: Literal["target", "source"]
     """How far the target goes for what the source does."""
+    frames: Literal["global", "local"]
+    """In which directions a place of the target moves."""
     anchor: float
     """The length below which gradients rule and beyond it displacements: lower suits shapes that are much
     alike, inf is gradients alone."""

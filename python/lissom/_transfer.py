@@ -43,8 +43,8 @@ class FitReport(Report):
     unmatched_target_percent: float
     """Their share of the target's area, in percent."""
     certainty: float
-    """How sure it is that the meshes lie on each other as they were laid, 0-1; 1 by markers, less where little of
-    either has a counterpart on the other."""
+    """How sure it is that the meshes lie on each other as laid, 0-1; 1 by markers or ``overlap``, less where little
+    of either has a counterpart on the other."""
     rounds: int
     """Rounds of closest points done."""
     seconds: float
@@ -81,6 +81,10 @@ class Fit:
     """(c,) mean distance of each curve on the fitted source from its like, in the target's units."""
     doubtful_curves: NDArray[np.int64]
     """(d,) the curves, by number, that lie where the others do not put them and were left out."""
+    doubtful_percents: NDArray[np.float64]
+    """(d,) how far each of these is from there, in percent of the target's diagonal."""
+    doubtful_warnings: list[str]
+    """What the warnings say of each of these."""
     report: FitReport
     """How well it went."""
     _core: _native.Fit = field(repr=False)
@@ -117,11 +121,13 @@ def fit_correspondence(
         vertices), each along edges of its mesh: rims of lids, lips. One that ends with its first vertex is a
         loop. The two are matched by length between the markers that lie on both, and between the ends of
         paths; which way round they go and where loops begin is found out. With three of them no marker is
-        needed.
+        needed. With ``overlap=True`` nothing is pulled: the meshes lie on each other as they are, as clothes
+        lie on a body (Abdrashitov et al. 2023).
 
     Raises InvalidConstraint for an empty list of markers, indices out of range, vertices marked twice,
-    curves whose vertices no edges join or that come twice, and meshes with too little in common to do without
-    markers; InvalidValue for an option out of range; SolveFailed; OutOfMemory; Cancelled.
+    curves whose vertices no edges join or that come twice, meshes with too little in common to do without
+    markers, and meshes that are to overlap but do not, or have markers or curves besides; InvalidValue for an
+    option out of range; SolveFailed; OutOfMemory; Cancelled.
     """
     return start_fit(source, target, markers, points, **options).result()
 

@@ -254,7 +254,7 @@ def test_one_button_transfers_what_is_chosen(panels):
     settings.pose_name, settings.exists, settings.contact = "Open", "RENAME", True
     settings.bake_step, settings.bake_path, settings.match_distance = 3, "/a.pc2", 0.03
     shared = {"match_distance": settings.match_distance, "closest": settings.closest}
-    shared["marker_tolerance"] = settings.marker_tolerance
+    shared |= {"marker_tolerance": settings.marker_tolerance, "overlap": False}
     shared |= {"source_mask": "", "target_mask": ""}
     dressed = {"vertex_groups": True, "uv_maps": False, "colours": True, "exists": "RENAME"}
     settings.uv_maps = False
@@ -322,6 +322,18 @@ def test_a_marker_out_of_place_is_marked_until_it_is_corrected(panels, capfd):
     assert marked_rows() == []
     bpy.ops.lissom.transfer_fit()
     assert marked_rows() == []
+
+
+def test_the_region_that_is_off_is_named(panels):
+    source, _ = monkeys()
+    bpy.ops.lissom.transfer_fit()
+    assert "Least sure" not in text(draw(panels["transfer"]))
+    lump = scene.points(source.data.vertices)
+    lump[lump[:, 2] > 0.6, 2] += 1.0
+    source.data.shape_keys.reference_key.points.foreach_set("co", lump.astype(np.float32).ravel())
+    bpy.ops.lissom.transfer_fit(overlap=True, match_distance=1.0)
+    bpy.context.scene.lissom_transfer.overlap = True
+    assert "Least sure at the top" in text(draw(panels["transfer"]))
 
 
 def test_how_sure_a_fit_without_markers_is(panels):

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use lissom::transfer::{
-    Correspondence, Fit, FitOptions, KeyQuality, SurfacePoint, Transfer, TransferOptions, Transferred,
-    fit_correspondence,
+    Correspondence, Doubtful, Fit, FitOptions, KeyQuality, SurfacePoint, Transfer, TransferOptions,
+    Transferred, fit_correspondence,
 };
 use lissom::{Error, Fault, Mesh, Vec3};
 use pyo3::prelude::*;
@@ -53,11 +53,17 @@ fn fitted(py: Python<'_>, fit: Fit, meshes: [Arc<Mesh>; 2]) -> PyResult<Py<PyAny
     arrays.set_item("image_distances", arrays::from_numbers(py, fit.image_distances))?;
     arrays.set_item("stretch", arrays::from_numbers(py, fit.stretch))?;
     arrays.set_item("marker_distances", arrays::from_numbers(py, fit.marker_distances))?;
-    let doubtful = fit.doubtful_markers.into_iter().map(i64::from);
-    arrays.set_item("doubtful_markers", arrays::from_integers(py, doubtful))?;
+    let [doubtful, curves] = [fit.doubtful_markers, fit.doubtful_curves];
+    let numbers = |doubtful: &[Doubtful]| {
+        arrays::from_integers(py, doubtful.iter().map(|doubtful| i64::from(doubtful.number)))
+    };
+    arrays.set_item("doubtful_markers", numbers(&doubtful))?;
     arrays.set_item("curve_distances", arrays::from_numbers(py, fit.curve_distances))?;
-    let doubtful = fit.doubtful_curves.into_iter().map(i64::from);
-    arrays.set_item("doubtful_curves", arrays::from_integers(py, doubtful))?;
+    arrays.set_item("doubtful_curves", numbers(&curves))?;
+    let percents = doubtful.iter().map(|doubtful| doubtful.percent).collect::<Vec<_>>();
+    arrays.set_item("doubtful_percents", arrays::from_numbers(py, percents))?;
+    let warnings: Vec<String> = doubtful.into_iter().map(|doubtful| doubtful.warning).collect();
+    arrays.set_item("doubtful_warnings", warnings)?;
     arrays.set_item("flipped", arrays::from_integers(py, fit.flipped.into_iter().map(i64::from)))?;
     let report = fields!(py, fit.report; distance_mean, distance_max, distance_mean_percent,
         distance_max_percent, flipped_triangles, stretched_triangles, unmatched_source_triangles,

@@ -14,6 +14,7 @@
 //! and applied to the component as it is, so that similarities come over as such.
 
 use super::choose::Chooser;
+use super::sizes::Sizes;
 use crate::geometry::rigid::{self, Alignment, Similarity};
 use crate::{Mat3, Mesh, Vec3};
 
@@ -25,7 +26,7 @@ pub struct Anchors {
 struct AnchoredComponent {
     /// Vertices with an image, and their weight.
     vertices: Vec<(u32, f64)>,
-    /// Root mean square size of the vertices over that of their images.
+    /// Root mean square size of the vertices over that of their images, or what stands for it.
     size: f64,
     /// What the displacements of the images are multiplied with.
     gain: f64,
@@ -58,8 +59,8 @@ impl Whole {
 
 impl Anchors {
     /// Anchors on every vertex with an image; `length` in unit coordinates, `weights` what the stitching energy
-    /// multiplies the area of each triangle with, `gain` as [`super::scale::gain`].
-    pub fn new(target: &Mesh, chooser: &Chooser, weights: &[f64], length: f64, gain: Option<f64>) -> Self {
+    /// multiplies the area of each triangle with, `sizes` as [`super::scale`] has them.
+    pub fn new(target: &Mesh, chooser: &Chooser, weights: &[f64], length: f64, sizes: Sizes) -> Self {
         let mut mass = vec![0.0; target.rest().len()];
         for ((t, &area), weight) in target.triangles().iter().zip(target.areas()).zip(weights) {
             t.iter().for_each(|&v| mass[v as usize] += area * weight / 3.0);
@@ -70,8 +71,8 @@ impl Anchors {
                 imaged.map(|v| (v, mass[v as usize].max(f64::MIN_POSITIVE) / (length * length))).collect();
             let own = vertices.iter().map(|&(v, _)| target.rest()[v as usize]);
             let images = vertices.iter().map(|&(v, _)| chooser.image(v as usize).unwrap_or_default());
-            let size = rigid::size_ratio(own, images);
-            AnchoredComponent { vertices, size, gain: gain.unwrap_or(size) }
+            let size = sizes.size(rigid::size_ratio(own, images));
+            AnchoredComponent { vertices, size, gain: sizes.gain(size) }
         };
         Self { parts: target.components().members().into_iter().map(part).collect() }
     }
@@ -81,7 +82,7 @@ impl Anchors {
         !self.parts[component].vertices.is_empty()
     }
 
-    /// Root mean square size of a component's vertices over that of their images, in unit coordinates.
+    /// The lengths of a component over those of its images, in unit coordinates.
     pub fn size(&self, component: usize) -> f64 {
         self.parts[component].size
     }

@@ -22,7 +22,8 @@ use super::correspondence::Correspondence;
 use super::obstacle::{Least, Obstacles};
 use super::options::{TransferOptions, Unmatched, Weighting};
 use super::place::Placer;
-use super::scale::{self, Scaling};
+use super::scale::Scaling;
+use super::sizes::Sizes;
 use crate::linear::{ConstrainedSystem, Constraints, REGULARIZED};
 use crate::options::OptionSet;
 use crate::stitch::{Owners, Reference, Stitcher, Weights};
@@ -94,18 +95,18 @@ impl Transfer {
         let used = matches.in_use(&source, &target)?;
         let turn = matches.turn;
         let source = if turn == Mat3::IDENTITY { source } else { Arc::new(source.turned(turn)) };
-        let chooser = Chooser::new(&source, &target, &used.pairs, &used.images)?;
+        let chooser = Chooser::new(&source, &target, &used.pairs, &used.images, options.frames)?;
         job.check()?;
         let weights = weights(&target, &chooser, options.weighting);
-        let gain = scale::gain(&source, &target, options.scale);
-        let anchors = Anchors::new(&target, &chooser, &weights, options.anchor.min(LONGEST), gain);
+        let sizes = Sizes::new(&source, &target, options.scale, matches.overlap);
+        let anchors = Anchors::new(&target, &chooser, &weights, options.anchor.min(LONGEST), sizes);
         let constraints = Constraints::hard(target.rest().len(), |_| false).with_soft(anchors.soft());
         let scaled = Weights::Scaled(&weights);
         let stitcher = Stitcher::new(target.clone(), Owners::Triangles, scaled, None, constraints, job)?;
         job.check()?;
         let policy = options.unmatched;
-        let placer = Placer::new(&source, &target, stitcher.matrix(), &chooser, &anchors, policy, gain);
-        let scaling = Scaling::new(&target, &anchors, &placer, gain);
+        let placer = Placer::new(&source, &target, stitcher.matrix(), &chooser, &anchors, policy, sizes);
+        let scaling = Scaling::new(&target, &anchors, &placer, sizes);
         let closing = match options.contact {
             true => Some(Closing {
                 system: contact::system(&target, stitcher.matrix(), job)?,

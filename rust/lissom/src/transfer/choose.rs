@@ -8,7 +8,10 @@
 
 use rayon::prelude::*;
 
-use super::image::SurfacePoint;
+use super::frames;
+use super::image::{self, Image, SurfacePoint};
+use super::options::Frames;
+use super::symmetry::Twins;
 use crate::geometry::groups::Groups;
 use crate::geometry::rows::Rows;
 use crate::linear::{Factor, Symbolic, SymmetricMatrix};
@@ -121,8 +124,7 @@ impl Frame {
 
 /// The images and matches of every target triangle, and the patches that have none.
 pub struct Chooser {
-    /// The image of each target vertex: corners of the source triangle, and their weights.
-    images: Vec<Option<([u32; 3], SurfacePoint)>>,
+    images: Vec<Option<Image>>,
     /// Where the images are at rest.
     points: Vec<Vec3>,
     /// The images of target triangles that are triangles like them.
@@ -130,6 +132,8 @@ pub struct Chooser {
     /// The source triangles matched with each target triangle.
     matches: Rows<u32>,
     patches: Option<Patches>,
+    /// How triangles are turned against their images; none where the directions are the source's ([`super::frames`]).
+    frames: Vec<Mat3>,
 }
 
 /// Target triangles without a match.
@@ -153,21 +157,43 @@ impl Chooser {
         target: &Mesh,
         pairs: &[[u32; 2]],
         images: &[Option<SurfacePoint>],
+        frames: Frames,
     ) -> Result<Self> {
+        let mut images: Vec<_> =
+            images.iter().map(|image| image.as_ref().map(|&image| Image::on(source, image))).collect();
+        let place = |image: &Option<Image>| Some((*image)?.blend(|v| source.rest()[v as usize]));
+        let twins = Twins::of_both(source, target, &images.iter().map(place).collect::<Vec<_>>());
         let mut sorted: Vec<[u32; 2]> = pairs.iter().map(|&[s, t]| [t, s]).collect();
+        if let Some(twins) = &twins {
+            images = image::mirrored(&images, twins);
+            let [of_source, of_target] = &twins.triangles;
+            let twin = |&[s, t]: &[u32; 2]| Some([of_target[t as usize]?, of_source[s as usize]?]);
+            sorted.extend(pairs.iter().filter_map(twin));
+        }
         sorted.sort_unstable();
         sorted.dedup();
         let matches = Rows::sort(target.triangles().len(), sorted.into_iter().map(|[t, s]| (t, s)));
-        let on = |image: &SurfacePoint| (source.triangles()[image.triangle as usize], *image);
-        let images: Vec<_> = images.iter().map(|image| image.as_ref().map(on)).collect();
-        let at = |v: u32| source.rest()[v as usize];
-        let points = images.iter().map(|i| i.map_or(Vec3::ZERO, |(t, image)| image.blend(t.map(at))));
-        let points = points.collect();
-        let mut chooser = Self { images, points, sound: Vec::new(), matches, patches: None };
+        let points = images.iter().map(|image| place(image).unwrap_or_default()).collect();
+        let (sound, none) = (Vec::new(), Vec::new());
+        let mut chooser = Self { images, points, sound, matches, patches: None, frames: none };
         let corners =
             |(t, sound): (&[u32; 3], bool)| sound.then(|| Frame::of(t.map(|v| chooser.points[v as usize])));
-        let sound = chooser.find_sound(source, target);
+        let mut sound = chooser.find_sound(source, target);
+        if let Some(twins) = &twins {
+            let of_twin = |twin: &Option<u32>| twin.is_none_or(|twin| sound[twin as usize]);
+            let agreed = sound.iter().zip(&twins.triangles[1]).map(|(&own, twin)| own && of_twin(twin));
+            sound = agreed.collect();
+        }
         chooser.sound = target.triangles().iter().zip(sound).map(corners).collect();
+        if frames == Frames::Local {
+            let map = |(t, corners): (usize, &[u32; 3])| {
+                chooser.sound[t].as_ref()?;
+                let [from, to] = [&chooser.points, target.rest()].map(|at| corners.map(|v| at[v as usize]));
+                Some(triangle_gradient(from, to))
+            };
+            let maps: Vec<_> = target.triangles().iter().enumerate().map(map).collect();
+            chooser.frames = frames::rotations(target, &maps);
+        }
         chooser.patches = chooser.unmatched(target)?;
         Ok(chooser)
     }
@@ -179,9 +205,7 @@ impl Chooser {
             let [Some(a), Some(b), Some(c)] = corners else { return None };
             let [p, q, r] = t.map(|v| self.points[v as usize]);
             let cross = (q - p).cross(r - p);
-            let faces = |(_, image): ([u32; 3], SurfacePoint)| {
-                source.normals()[image.triangle as usize].dot(cross) > 0.0
-            };
+            let faces = |image: Image| source.normals()[image.triangle as usize].dot(cross) > 0.0;
             Some((0.5 * cross.length(), [a, b, c].into_iter().filter(|i| faces(*i)).count() >= 2))
         };
         let found: Vec<_> = target.triangles().par_iter().map(of).collect();
@@ -214,8 +238,8 @@ impl Chooser {
 
     /// Displacements of the images of all target vertices; zero where there is none.
     pub fn displacements(&self, key: &SourceKey) -> Vec<Vec3> {
-        let of = |image: &Option<([u32; 3], SurfacePoint)>| match image {
-            Some((t, image)) => image.blend(t.map(|v| key.displacement[v as usize])),
+        let of = |image: &Option<Image>| match image {
+            Some(image) => image.blend(|v| key.displacement[v as usize]),
             None => Vec3::ZERO,
         };
         self.images.par_iter().with_min_len(GRAIN).map(of).collect()
@@ -274,6 +298,9 @@ impl Chooser {
         };
         let triangles = target.triangles().par_iter().enumerate().with_min_len(GRAIN);
         let (mut changes, mut moves): (Vec<Mat3>, Vec<bool>) = triangles.map(change).unzip();
+        for (change, &frame) in changes.iter_mut().zip(&self.frames) {
+            *change = frame * *change * frame.transpose();
+        }
         if let Some(patches) = &self.patches {
             patches.extend(&mut changes);
             patches.mark(&mut moves);

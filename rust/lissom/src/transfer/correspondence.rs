@@ -35,6 +35,8 @@ pub struct Correspondence {
     pub curves: Vec<Vec<CurvePoint>>,
     /// The rotation by which the target lies turned against the source: displacements are to be turned by it.
     pub turn: Mat3,
+    /// The meshes lie on each other as they are: motions keep their size.
+    pub overlap: bool,
 }
 
 impl Correspondence {
@@ -52,7 +54,8 @@ impl Correspondence {
         let pairs = pairs_in_use(source, target, &self.pairs)?;
         let images = images_in_use(source, target, &self.images)?;
         let back_images = images_in_use(target, source, &self.back_images)?;
-        Ok(Self { pairs, images, back_images, curves: self.curves.clone(), turn: self.turn })
+        let (curves, turn, overlap) = (self.curves.clone(), self.turn, self.overlap);
+        Ok(Self { pairs, images, back_images, curves, turn, overlap })
     }
 }
 

@@ -4,7 +4,8 @@
 //! does; so keys come over vertex by vertex, however finely either mesh is cut. (Sumner & Popović 2004 pair whole
 //! triangles by their centroids, which shifts every key by up to half a triangle.)
 
-use crate::Vec3;
+use super::symmetry::Twins;
+use crate::{Mesh, Vec3};
 
 /// A point of the source's surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,4 +21,48 @@ impl SurfacePoint {
     pub fn blend(&self, values: [Vec3; 3]) -> Vec3 {
         values[0] * self.weights.x + values[1] * self.weights.y + values[2] * self.weights.z
     }
+}
+
+/// The image of a vertex of the target, in use.
+#[derive(Debug, Clone, Copy)]
+pub struct Image {
+    /// The source triangle that it is on.
+    pub triangle: u32,
+    /// Its corners.
+    pub corners: [u32; 3],
+    /// How much each counts.
+    pub weights: Vec3,
+    /// On a source and a target that are symmetric, the twins of the corners of the image of its twin, and their
+    /// weights: the mean of both is symmetric ([`super::symmetry`]).
+    mirrored: Option<([u32; 3], Vec3)>,
+}
+
+impl Image {
+    /// At a point of `source`.
+    pub fn on(source: &Mesh, SurfacePoint { triangle, weights }: SurfacePoint) -> Self {
+        Self { triangle, corners: source.triangles()[triangle as usize], weights, mirrored: None }
+    }
+
+    /// What values at the source's vertices are there.
+    pub fn blend(&self, value: impl Fn(u32) -> Vec3) -> Vec3 {
+        let of = |corners: [u32; 3], weights: Vec3| -> Vec3 {
+            (0..3).map(|k| value(corners[k]) * weights[k]).sum()
+        };
+        let own = of(self.corners, self.weights);
+        self.mirrored.map_or(own, |(corners, weights)| (own + of(corners, weights)) * 0.5)
+    }
+}
+
+/// `images` of the target's vertices that are the same left and right, where those of twins are complete.
+pub fn mirrored(images: &[Option<Image>], twins: &Twins) -> Vec<Option<Image>> {
+    let mirror = |(v, image): (usize, &Option<Image>)| {
+        let image = (*image)?;
+        let of_twin = || images[twins.vertices[1][v]? as usize];
+        let mirrored = of_twin().and_then(|twin| {
+            twins.of_corners(image.corners)?;
+            Some((twins.of_corners(twin.corners)?, twin.weights))
+        });
+        Some(Image { mirrored, ..image })
+    };
+    images.iter().enumerate().map(mirror).collect()
 }

@@ -34,12 +34,14 @@ pub mod contact;
 pub mod corners;
 mod correspondence;
 pub mod fit;
+mod frames;
 mod image;
 mod obstacle;
 mod options;
 mod place;
 pub mod quality;
 mod scale;
+mod sizes;
 mod symmetry;
 #[cfg(test)]
 mod testing;
@@ -47,8 +49,8 @@ mod verdict;
 
 pub use apply::{Transfer, Transferred};
 pub use correspondence::Correspondence;
-pub use fit::{Fit, FitOptions, FitReport, fit_correspondence};
+pub use fit::{Doubtful, Fit, FitOptions, FitReport, fit_correspondence};
 pub use image::SurfacePoint;
-pub use options::{Scale, TransferOptions, Unmatched, Weighting};
+pub use options::{Frames, Scale, TransferOptions, Unmatched, Weighting};
 pub use quality::KeyQuality;
 pub use verdict::Verdict;

@@ -32,6 +32,16 @@ choices! {
     }
 }
 
+choices! {
+    /// In which directions a place of the target moves.
+    pub enum Frames {
+        /// In those in which its place on the source moves: up stays up.
+        Global = "global",
+        /// Turned as the surface there is turned against the source's: along a brow stays along it.
+        Local = "local",
+    }
+}
+
 options! {
     /// Options of a transfer ([`super::anchor`], [`super::contact`]).
     #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,6 +52,8 @@ options! {
         pub weighting: Weighting = Weighting::Area,
         /// How far the target goes for what the source does.
         pub scale: Scale = Scale::Target,
+        /// In which directions a place of the target moves.
+        pub frames: Frames = Frames::Global,
         /// The length below which gradients rule and beyond it displacements: lower suits shapes that are much
         /// alike, inf is gradients alone.
         pub anchor: f64 = 1.0 => above(0.0) at_most(f64::INFINITY) unit("of the target's diagonal"),

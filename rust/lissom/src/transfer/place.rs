@@ -12,6 +12,7 @@
 use super::anchor::Anchors;
 use super::choose::{Chooser, SourceKey};
 use super::options::Unmatched;
+use super::sizes::Sizes;
 use crate::geometry::rigid::{self, Alignment};
 use crate::geometry::rows::Rows;
 use crate::geometry::surface::Surface;
@@ -45,7 +46,7 @@ struct PlacedComponent {
 }
 
 impl Placer {
-    /// Prepares the components of `target`, whose stitching matrix is `matrix`; `gain` as [`super::scale::gain`].
+    /// Prepares the components of `target`, whose stitching matrix is `matrix`; `sizes` as [`super::scale`] has them.
     pub fn new(
         source: &Mesh,
         target: &Mesh,
@@ -53,7 +54,7 @@ impl Placer {
         chooser: &Chooser,
         anchors: &Anchors,
         unmatched: Unmatched,
-        gain: Option<f64>,
+        sizes: Sizes,
     ) -> Self {
         let mut parts: Vec<PlacedComponent> = target
             .components()
@@ -72,8 +73,8 @@ impl Placer {
             }
         }
         for part in &mut parts {
-            part.size = part.size_ratio(source, target, chooser);
-            part.gain = gain.unwrap_or(part.size);
+            part.size = sizes.size(part.size_ratio(source, target, chooser));
+            part.gain = sizes.gain(part.size);
         }
         let mut placer = Self { parts, rows: matrix.rows() };
         placer.find_neighbours(target, chooser, unmatched);
@@ -155,7 +156,7 @@ impl Placer {
     }
 
     /// Puts the vertices at rest exactly there and smooths what that does to their surroundings: a correction
-    /// `z` that fades out over a few rings, and there comes near `L z = 0` by sweeps of Gauss and Seidel. They
+    /// `z` that fades out over a few rings, and there comes near `L z = 0` by sweeps from ring to ring. They
     /// take steps out first, and steps are all that must not show.
     fn settle(&self, stationary: &[u32], at_rest: &[bool], displacements: &mut [Vec3]) {
         let band = self.band(stationary, at_rest);
@@ -175,8 +176,7 @@ impl Placer {
             rim.iter().for_each(|&v| known[v as usize] = true);
         }
         for _ in 0..SWEEPS {
-            band.iter().flatten().for_each(|&v| self.sweep(v, &mut z));
-            band.iter().rev().flat_map(|rim| rim.iter().rev()).for_each(|&v| self.sweep(v, &mut z));
+            band.iter().chain(band.iter().rev()).for_each(|rim| self.sweep(rim, &mut z));
         }
         for &v in band.iter().flatten() {
             displacements[v as usize] += z[v as usize];
@@ -186,19 +186,22 @@ impl Placer {
         }
     }
 
-    /// Solves `(L z)_v = 0` for `z_v`.
-    fn sweep(&self, v: u32, z: &mut [Vec3]) {
-        let (mut sum, mut own) = (Vec3::ZERO, 0.0);
-        for &(w, l) in self.row(v) {
-            if w == v {
-                own = l;
-            } else {
-                sum += z[w as usize] * l;
+    /// Solves `(L z)_v = 0` for `z_v` of each vertex of a ring, all from what is around them before: in turn
+    /// they would depend on their order, and left and right come out different.
+    fn sweep(&self, rim: &[u32], z: &mut [Vec3]) {
+        let solve = |&v: &u32| {
+            let (mut sum, mut own) = (Vec3::ZERO, 0.0);
+            for &(w, l) in self.row(v) {
+                if w == v {
+                    own = l;
+                } else {
+                    sum += z[w as usize] * l;
+                }
             }
-        }
-        if own > 0.0 {
-            z[v as usize] = -sum / own;
-        }
+            if own > 0.0 { -sum / own } else { z[v as usize] }
+        };
+        let solved: Vec<Vec3> = rim.iter().map(solve).collect();
+        rim.iter().zip(solved).for_each(|(&v, solved)| z[v as usize] = solved);
     }
 
     /// The vertices within [`RINGS`] of those at rest, ring by ring.

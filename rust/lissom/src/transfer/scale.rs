@@ -15,18 +15,9 @@
 
 use super::anchor::{Anchors, Whole};
 use super::choose::Chooser;
-use super::options::Scale;
 use super::place::Placer;
+use super::sizes::Sizes;
 use crate::{Mat3, Mesh, Vec3};
-
-/// What a displacement in the source's unit coordinates is in the target's, where motions keep their own size;
-/// `None` where they go with the size of the target.
-pub fn gain(source: &Mesh, target: &Mesh, scale: Scale) -> Option<f64> {
-    match scale {
-        Scale::Target => None,
-        Scale::Source => Some(source.frame().scale / target.frame().scale),
-    }
-}
 
 /// `1 / r` of each component of a target.
 pub struct Scaling {
@@ -35,10 +26,10 @@ pub struct Scaling {
 
 impl Scaling {
     /// The lengths of components against those of their anchors, or of their matches.
-    pub fn new(target: &Mesh, anchors: &Anchors, placer: &Placer, gain: Option<f64>) -> Self {
+    pub fn new(target: &Mesh, anchors: &Anchors, placer: &Placer, sizes: Sizes) -> Self {
         let factor = |c: usize| {
             let size = if anchors.hold(c) { anchors.size(c) } else { placer.size(c) };
-            gain.map_or(1.0, |gain| gain / size)
+            sizes.gain(size) / size
         };
         Self { factors: (0..target.components().count()).map(factor).collect() }
     }

@@ -1,8 +1,10 @@
-//! Symmetry: what a mesh has on the other side of its middle, to see whether a key that is the same left and right
-//! has come over as such.
+//! Symmetry: what a mesh has on the other side of its middle, so that a key that is the same left and right comes over
+//! as such, and to see whether it has.
 //!
 //! A mesh is symmetric about a plane through the middle of its box, across one of the axes, when the mirror image of
-//! every vertex lies on its surface, whatever its triangles.
+//! every vertex lies on its surface, whatever its triangles. Where it lies at a vertex, they are *twins*.
+
+use std::collections::HashMap;
 
 use rayon::prelude::*;
 
@@ -16,6 +18,16 @@ const SYMMETRIC: f64 = 1e-3;
 
 /// Vertices that are looked at before all are.
 const SAMPLES: usize = 200;
+
+/// Twins lie so near to where the mirror image of the other is, in unit coordinates: far above single precision. Were
+/// it more, what is nearly symmetric would lose what it differs by.
+const TWINS: f64 = 1e-5;
+
+/// Images of twins are mirror images when they are so near to them, root mean square, in unit coordinates.
+const MIRRORED: f64 = 0.01;
+
+/// How many of the vertices must have twins.
+const MOST: f64 = 0.9;
 
 /// A plane that a mesh is symmetric about.
 pub struct Mirror {
@@ -77,6 +89,75 @@ impl Mirror {
         }
         if own > 0.0 { (off / own).sqrt() } else { 0.0 }
     }
+}
+
+/// The twins of the vertices and triangles of a source and a target about one plane.
+pub struct Twins {
+    /// Of the source's and of the target's vertices.
+    pub vertices: [Vec<Option<u32>>; 2],
+    /// Of their triangles: those of the twins of their corners.
+    pub triangles: [Vec<Option<u32>>; 2],
+}
+
+impl Twins {
+    /// About a plane by which the `images` (points in the source's unit coordinates) of twins of the target are mirror
+    /// images too; `None` where there is none. A tube has many planes, and few by which a fit is symmetric.
+    pub fn of_both(source: &Mesh, target: &Mesh, images: &[Option<Vec3>]) -> Option<Self> {
+        let [of_source, of_target] =
+            [source, target].map(|mesh| Surface::new(mesh.rest().iter().map(|&p| [p; 3]).collect()));
+        let about = |axis: usize| {
+            let vertices = [twins(source, &of_source, axis)?, twins(target, &of_target, axis)?];
+            let off = |(v, twin): (usize, &Option<u32>)| {
+                let (here, there) = ((*images.get(v)?)?, (*images.get((*twin)? as usize)?)?);
+                Some(here.distance_squared(flip(there, axis)))
+            };
+            let all: Vec<f64> = vertices[1].iter().enumerate().filter_map(off).collect();
+            let mean = all.iter().sum::<f64>() / all.len() as f64;
+            (mean.sqrt() < MIRRORED).then_some(vertices)
+        };
+        let vertices = (0..3).find_map(about)?;
+        let triangles = [triangle_twins(source, &vertices[0]), triangle_twins(target, &vertices[1])];
+        Some(Self { vertices, triangles })
+    }
+
+    /// The twins of three vertices of the source, where all have one.
+    pub fn of_corners(&self, corners: [u32; 3]) -> Option<[u32; 3]> {
+        let [a, b, c] = corners.map(|v| self.vertices[0][v as usize]);
+        Some([a?, b?, c?])
+    }
+}
+
+/// The twin of every vertex about the plane across `axis`; `None` where most have none.
+fn twins(mesh: &Mesh, points: &Surface, axis: usize) -> Option<Vec<Option<u32>>> {
+    let rest = mesh.rest();
+    let nearest = |v: usize| {
+        let hit = points.closest_centroid(flip(rest[v], axis)).filter(|hit| hit.distance < TWINS)?;
+        Some(hit.triangle as u32)
+    };
+    let step = (rest.len() / SAMPLES).max(1);
+    let few: Vec<usize> = (0..rest.len()).step_by(step).collect();
+    let enough = |found: usize, of: usize| found as f64 >= MOST * of as f64;
+    if !enough(few.iter().filter(|&&v| nearest(v).is_some()).count(), few.len()) {
+        return None;
+    }
+    let found: Vec<Option<u32>> = (0..rest.len()).into_par_iter().map(nearest).collect();
+    let mutual = |(v, twin): (usize, &Option<u32>)| twin.filter(|&w| found[w as usize] == Some(v as u32));
+    let found: Vec<Option<u32>> = found.iter().enumerate().map(mutual).collect();
+    enough(found.iter().flatten().count(), found.len()).then_some(found)
+}
+
+fn triangle_twins(mesh: &Mesh, twins: &[Option<u32>]) -> Vec<Option<u32>> {
+    let sorted = |mut corners: [u32; 3]| {
+        corners.sort_unstable();
+        corners
+    };
+    let places: HashMap<[u32; 3], u32> =
+        mesh.triangles().iter().map(|&corners| sorted(corners)).zip(0..).collect();
+    let twin = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|v| twins[v as usize]);
+        places.get(&sorted([a?, b?, c?])).copied()
+    };
+    mesh.triangles().iter().map(twin).collect()
 }
 
 fn flip(mut vector: Vec3, axis: usize) -> Vec3 {

@@ -5,12 +5,12 @@ use std::time::Instant;
 use super::diagnosis::{Fit, FitReport, conclude};
 use super::marked::Marked;
 use super::options::FitOptions;
+use super::overlap::overlap;
 use super::registration::register;
+use super::same::same;
 use super::side::{Placed, Side};
 use crate::options::OptionSet;
-use crate::transfer::correspondence::Correspondence;
-use crate::transfer::image::SurfacePoint;
-use crate::{Job, Mat3, Mesh, Result, Vec3};
+use crate::{Error, Fault, Job, Mat3, Mesh, Result};
 
 /// Fits `source` to `target` by `markers`, pairs of a source vertex and a target vertex; by `None` it finds out itself
 /// how the two lie on each other ([`crate::transfer::alignment`]).
@@ -37,8 +37,13 @@ pub fn fit_correspondence(
     };
     let mut warnings = [doubts("source", source), doubts("target", target)].concat();
     options.check()?;
+    if options.overlap && (markers.is_some() || !options.curves.is_empty()) {
+        let problem = "given, but meshes that overlap lie where they are: leave one of the two out";
+        return Err(Error::InvalidConstraint(Fault::new("markers", problem)));
+    }
     if markers.is_none_or(<[_]>::is_empty)
         && options.curves.is_empty()
+        && !options.overlap
         && source.triangles() == target.triangles()
         && source.rest().len() == target.rest().len()
     {
@@ -50,6 +55,12 @@ pub fn fit_correspondence(
     let onto = Placed::new(&target_side, target.rest());
     job.report(0.0, "fit");
     job.check()?;
+    if options.overlap {
+        let report = FitReport { warnings, ..FitReport::default() };
+        let mut fit = overlap(&source_side, &onto, options.match_distance, report, job)?;
+        fit.report.seconds = start.elapsed().as_secs_f64();
+        return Ok(fit);
+    }
 
     let Marked { lie, led_by } =
         Marked::of(&source_side, &target_side, markers, options, &mut warnings, job)?;
@@ -61,9 +72,11 @@ pub fn fit_correspondence(
     let (x, rounds) = register(&source_side, &onto, &lie, options, job)?;
     job.report(0.9, "match");
     let led = led_by.told(&x, markers, options.marker_tolerance);
-    warnings.extend(led.warnings);
+    warnings
+        .extend(led.doubtful.iter().flatten().map(|doubtful| doubtful.warning.clone()).chain(led.warnings));
     let report = FitReport { rounds, warnings, certainty: lie.certainty, ..FitReport::default() };
-    let mut fit = conclude(&Placed::new(&source_side, &x), &onto, options.match_distance, report, job)?;
+    let mut fit =
+        conclude(&Placed::new(&source_side, &x), &onto, options.match_distance, report, false, job)?;
     fit.matches.turn = lie.turn.unwrap_or(Mat3::IDENTITY);
     fit.matches.curves = led.curves;
     let in_units = |off: Vec<f64>| off.into_iter().map(|off| off * target.frame().scale).collect();
@@ -74,36 +87,10 @@ pub fn fit_correspondence(
     Ok(fit)
 }
 
-/// The fit of a mesh onto one of the same vertices and triangles: each belongs to its own like.
-fn same(source: &Mesh, target: &Mesh, warnings: Vec<String>) -> Fit {
-    let ids = |(&s, &t): (&u32, &u32)| [s, t];
-    let pairs = source.triangle_ids().iter().zip(target.triangle_ids()).map(ids).collect();
-    let corners = |mesh: &Mesh| {
-        let mut images = vec![None; mesh.vertices().len()];
-        for (t, &triangle) in mesh.triangles().iter().zip(mesh.triangle_ids()) {
-            for (corner, &v) in t.iter().enumerate() {
-                images[v as usize] = Some(SurfacePoint { triangle, weights: Vec3::AXES[corner] });
-            }
-        }
-        mesh.follow(&mut images);
-        images
-    };
-    let (images, back_images) = (corners(source), corners(target));
-    let n = images.len();
-    Fit {
-        matches: Correspondence { pairs, images, back_images, ..Correspondence::default() },
-        fitted_vertices: target.vertices().to_vec(),
-        distances: vec![0.0; n],
-        image_distances: vec![0.0; n],
-        stretch: vec![1.0; source.input_triangles()],
-        report: FitReport { warnings, certainty: 1.0, ..FitReport::default() },
-        ..Fit::default()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Vec3;
     use crate::Error;
     use crate::transfer::testing::{bumpy_grid, grid, nosed_sphere};
 
@@ -183,7 +170,8 @@ mod tests {
             points[wrong] += Vec3::new(0.1, -0.15, 0.1);
             let options = FitOptions { points, ..FitOptions::default() };
             let fit = fit_correspondence(&mesh, &mesh, Some(&markers), &options, &Job::default()).unwrap();
-            assert_eq!(fit.doubtful_markers, [wrong as u32]);
+            let doubted: Vec<u32> = fit.doubtful_markers.iter().map(|doubtful| doubtful.number).collect();
+            assert_eq!(doubted, [wrong as u32]);
             let named = format!("number {wrong} (source vertex {})", markers[wrong][0]);
             assert!(fit.report.warnings.iter().any(|w| w.contains(&named)), "{:?}", fit.report.warnings);
             let off = fit.fitted_vertices.iter().zip(mesh.vertices()).map(|(a, b)| a.distance(*b));

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::doubtful::Doubtful;
 use super::images;
 use super::matching::match_triangles;
 use super::side::Placed;
@@ -11,7 +12,7 @@ use crate::geometry::triangle::normal_and_area;
 use crate::operators::gradient::triangle_gradient;
 use crate::transfer::correspondence::Correspondence;
 use crate::transfer::image::SurfacePoint;
-use crate::{Error, Job, Mat3, Mesh, Result, Vec3};
+use crate::{Error, Job, Mesh, Result, Vec3};
 
 /// A vertex is stuck on the wrong side when the nearest point that faces its way is further away
 /// than the nearest point of all by this fraction of the diagonal: thin sheets have both sides close.
@@ -42,13 +43,13 @@ pub struct Fit {
     pub flipped: Vec<u32>,
     /// How far each marker's place on the fitted source is from where it was marked, in the target's units.
     pub marker_distances: Vec<f64>,
-    /// Markers that lie where the others do not put them, by their number.
-    pub doubtful_markers: Vec<u32>,
+    /// Markers that lie where the others do not put them.
+    pub doubtful_markers: Vec<Doubtful>,
     /// How far the vertices of each curve on the fitted source are from that of the target, in the target's units, at the
     /// mean.
     pub curve_distances: Vec<f64>,
-    /// Curves that lie where markers and other curves do not put them, by their number.
-    pub doubtful_curves: Vec<u32>,
+    /// Curves that lie where markers and other curves do not put them.
+    pub doubtful_curves: Vec<Doubtful>,
     /// How well it went.
     pub report: FitReport,
 }
@@ -76,8 +77,8 @@ pub struct FitReport {
     pub unmatched_source_percent: f64,
     /// Their share of the target's area, in percent.
     pub unmatched_target_percent: f64,
-    /// How sure it is that the meshes lie on each other as they were laid, 0-1; 1 by markers, less where little of either
-    /// has a counterpart.
+    /// How sure it is that the meshes lie on each other as they were laid, 0-1; 1 by markers and where they overlap, less
+    /// where little of either has a counterpart.
     pub certainty: f64,
     /// Rounds of closest points.
     pub rounds: usize,
@@ -87,12 +88,13 @@ pub struct FitReport {
     pub warnings: Vec<String>,
 }
 
-/// Matches the triangles and takes stock.
+/// Matches the triangles and takes stock. Where the meshes `overlap` nothing was moved, so that nothing has folded.
 pub fn conclude(
     fitted: &Placed,
     onto: &Placed,
     match_distance: f64,
     mut report: FitReport,
+    overlap: bool,
     job: &Job,
 ) -> Result<Fit> {
     let (source, target, x) = (fitted.side.mesh, onto.side.mesh, fitted.positions);
@@ -108,7 +110,7 @@ pub fn conclude(
     (report.distance_mean, report.distance_max) = (mean * frame.scale, largest * frame.scale);
     (report.distance_mean_percent, report.distance_max_percent) = (100.0 * mean, 100.0 * largest);
 
-    let flipped = flipped(fitted, &onto.surface, match_distance);
+    let flipped = if overlap { Vec::new() } else { flipped(fitted, &onto.surface, match_distance) };
     report.flipped_triangles = flipped.len();
     let stretches = stretches(source, x);
     report.stretched_triangles = stretches.iter().filter(|&&s| s > STRETCHED).count();
@@ -121,8 +123,9 @@ pub fn conclude(
     }
 
     let (pairs, partners) = match_triangles(fitted, onto, match_distance, job)?;
-    let images = images::images(fitted, onto, &partners.of_target, match_distance, job)?;
-    let back_images = images::images(onto, fitted, &partners.of_source, match_distance, job)?;
+    let find = if overlap { images::images_of_overlap } else { images::images };
+    let images = find(fitted, onto, &partners.of_target, match_distance, job)?;
+    let back_images = find(onto, fitted, &partners.of_source, match_distance, job)?;
     for (side, mesh) in [source, target].into_iter().enumerate() {
         let mut matched = vec![false; mesh.triangles().len()];
         for pair in &pairs {
@@ -172,10 +175,9 @@ pub fn conclude(
     }
     let matches = Correspondence {
         pairs: pairs.iter().map(given).collect(),
-        turn: Mat3::IDENTITY,
-        curves: Vec::new(),
         images: as_given(images, source, target),
         back_images: as_given(back_images, target, source),
+        ..Correspondence::default()
     };
     let flipped = flipped.into_iter().map(|t| source.triangle_ids()[t]).collect();
     Ok(Fit {

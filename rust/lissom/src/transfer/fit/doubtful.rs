@@ -32,6 +32,17 @@ const LEAST: f64 = 1e-3;
 /// Most of the markers that may be left out.
 const MOST: f64 = 0.2;
 
+/// A marker or a curve that lies where the others do not put it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Doubtful {
+    /// Its number among its like.
+    pub number: u32,
+    /// How far it is from there, in percent of the target's diagonal.
+    pub percent: f64,
+    /// What the warnings say of it.
+    pub warning: String,
+}
+
 /// What the others say of each marker.
 pub struct Doubts {
     /// The doubtful ones, and how far each is from where it is expected, in unit coordinates.

@@ -4,8 +4,18 @@
 //! its component where that has one ([`super::component_pairs`]).
 
 use super::side::Placed;
+use crate::geometry::surface::Hit;
 use crate::transfer::image::SurfacePoint;
-use crate::{Job, Result};
+use crate::{Job, Result, Vec3};
+
+/// Points closer than this are the same, in unit coordinates: normals differ at rims that are cut otherwise.
+const SAME: f64 = 1e-3;
+
+/// Beyond, normals are no more than 60 degrees apart: those of an arm beside a shirt are.
+const LEAST_COSINE: f64 = 0.5;
+
+/// How much further away than another component the partner may be, as lids lie under tear films.
+const DETOUR: f64 = 1e-3;
 
 /// The image of every vertex of `of` on the triangles of `on`, both where the fit has put them; `None` beyond
 /// `reach`, on other components than the partner, and where nothing faces the same way. Triangles count as those
@@ -37,4 +47,37 @@ pub fn images(
         })
     };
     job.in_batches(mesh.rest().len(), image)
+}
+
+/// The same for meshes that lie on each other as they are ([`super::overlap`]).
+///
+/// # Errors
+///
+/// [`Error::Cancelled`].
+pub fn images_of_overlap(
+    on: &Placed,
+    of: &Placed,
+    partner: &[Option<u32>],
+    reach: f64,
+    job: &Job,
+) -> Result<Vec<Option<SurfacePoint>>> {
+    let mesh = of.side.mesh;
+    job.in_batches(mesh.rest().len(), |v| {
+        let component = mesh.components().of_vertex(v)?;
+        if of.side.masked_vertex[v] {
+            return None;
+        }
+        let (point, normal) = (of.positions[v], of.normals[v].normalize_or_zero());
+        let hit = on.closest(point, normal, reach, partner[component], DETOUR)?;
+        let weights = on.surface.weights(hit.triangle, hit.point);
+        let image = SurfacePoint { triangle: hit.triangle as u32, weights };
+        is_trusted(on, &hit, weights, point, normal).then_some(image)
+    })
+}
+
+fn is_trusted(on: &Placed, hit: &Hit, weights: Vec3, point: Vec3, normal: Vec3) -> bool {
+    let there = on.normal(hit.triangle, weights);
+    let aside = (point - hit.point).reject_from_normalized(there).length();
+    let beyond_border = aside > SAME && on.side.is_on_border(hit.triangle, weights);
+    hit.distance < SAME || (normal.dot(there) > LEAST_COSINE && !beyond_border)
 }

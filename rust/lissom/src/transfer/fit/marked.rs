@@ -4,7 +4,7 @@
 //! one of them however long it is, and is left out as a whole or not at all.
 
 use super::curves::{self, Curve, Matched};
-use super::doubtful::doubtful;
+use super::doubtful::{Doubtful, doubtful};
 use super::lie::Lie;
 use super::markers::{self, Marker, PROPORTIONS};
 use super::options::FitOptions;
@@ -45,10 +45,10 @@ pub struct Led {
     /// How far each is from where it belongs, in the target's unit coordinates.
     pub off: [Vec<f64>; 2],
     /// Those that were left out and not met all the same.
-    pub doubtful: [Vec<u32>; 2],
+    pub doubtful: [Vec<Doubtful>; 2],
     /// The curves that were followed.
     pub curves: Vec<Vec<CurvePoint>>,
-    /// What there is to say about them.
+    /// What else there is to say about them.
     pub warnings: Vec<String>,
 }
 
@@ -161,11 +161,10 @@ impl LedBy {
             [self.markers.iter().map(|m| m.off(x)).collect(), self.curves.iter().map(mean).collect()];
         let count = self.markers.len();
         let of = |i: usize| if i < count { (0, i) } else { (1, i - count) };
-        let (mut doubtful, mut warnings) = ([Vec::new(), Vec::new()], Vec::new());
+        let mut doubtful = [Vec::new(), Vec::new()];
         let met = |i: usize| off[of(i).0][of(i).1] <= MET * tolerance;
         for &(i, by) in self.doubts.iter().filter(|d| tolerance == 0.0 || !met(d.0)) {
             let (side, number) = of(i);
-            doubtful[side].push(number as u32);
             let what = if tolerance == 0.0 { "kept, since the tolerance is 0" } else { "left out" };
             let who = match side {
                 0 => format!(
@@ -175,20 +174,22 @@ impl LedBy {
                 _ => format!("curves: number {number}"),
             };
             let percent = 100.0 * by;
-            warnings.push(format!(
+            let warning = format!(
                 "{who} is {percent:.1} % of the target's diagonal away from where the others put it; {what}: look \
                  whether it is out of place or swapped"
-            ));
+            );
+            doubtful[side].push(Doubtful { number: number as u32, percent, warning });
         }
         let left_out = |i: usize| tolerance > 0.0 && self.doubts.iter().any(|d| d.0 == i);
         let missed = |i: &usize| tolerance > 0.0 && !left_out(*i) && !met(*i);
-        warnings.extend((count..count + self.curves.len()).filter(missed).map(|i| {
+        let warnings = (count..count + self.curves.len()).filter(missed).map(|i| {
             let (number, percent) = (i - count, 100.0 * off[1][i - count]);
             format!(
                 "curves: number {number} is met within {percent:.1} % of the target's diagonal only: look whether it is \
                  the same one on both meshes"
             )
-        }));
+        });
+        let warnings = warnings.collect();
         let followed =
             |(i, (_, places)): (usize, (_, Vec<CurvePoint>))| (!left_out(count + i)).then_some(places);
         let curves = self.curves.into_iter().enumerate().filter_map(followed).collect();

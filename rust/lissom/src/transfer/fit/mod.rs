@@ -9,6 +9,8 @@
 //! 3. *Diagnosis*: which triangles match, where vertices lie on the other mesh, and how good it is (`matching`,
 //!    `images`, `component_pairs`, `diagnosis`).
 //!
+//! Meshes of the same triangles (`same`), and those that lie on each other as they are (`overlap`), go without 1 and 2.
+//!
 //! `correspond` goes through them in turn. A `side` is one of the two meshes, with what of it takes part.
 
 mod component_pairs;
@@ -25,10 +27,13 @@ mod marked;
 mod markers;
 mod matching;
 mod options;
+mod overlap;
 mod pulls;
 mod registration;
+mod same;
 mod side;
 
 pub use correspond::fit_correspondence;
 pub use diagnosis::{Fit, FitReport, STRETCHED};
+pub use doubtful::Doubtful;
 pub use options::FitOptions;

@@ -33,6 +33,9 @@ options! {
         pub rounds: usize = 4 => at_least(1.0) at_most(MOST_ROUNDS),
         /// How far the centre of a triangle may be from the other surface to be matched there.
         pub match_distance: f64 = 0.02 => above(0.0) unit("of the target's diagonal"),
+        /// The meshes lie on each other as they are, as clothes lie on a body: every place belongs to the closest
+        /// one within `match_distance`, nothing is pulled, and motions keep their size. Takes no markers.
+        pub overlap: bool = false,
         /// Vertices of the source that match nothing: the inside of a mouth, eye sockets.
         pub source_mask: Vec<u32> = Vec::new(),
         /// Vertices of the target that match nothing.
