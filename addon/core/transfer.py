@@ -1,5 +1,6 @@
 """Transfer of keys: fit where none is at hand, then all keys as right-hand sides of one factorization."""
 
+import re
 from typing import NamedTuple
 
 import lissom

@@ -43,8 +43,8 @@ class FitReport(Report):
     unmatched_target_percent: float
     """Their share of the target's area, in percent."""
     certainty: float
-    """How sure it is that the meshes lie on each other as laid, 0-1; 1 by markers or ``overlap``, less where little
-    of either has a counterpart on the other."""
+    """How sure it is that the meshes lie on each other as laid, 0-1; 1 by markers or ``overlap``, less where
+    little of either has a counterpart on the other."""
     rounds: int
     """Rounds of closest points done."""
     seconds: float
