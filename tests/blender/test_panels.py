@@ -133,7 +133,7 @@ def test_pose_before_and_after_bind(panels):
             "use_weights": False,
             "weld": False,
             "cells": "spokes_and_rims",
-            "rotation_smoothing": 0.0,
+            "rotation_smoothing": 0.001,
             "smoothness": 0.0,
             "constraints": "hard",
             "weight": 1.0,
