@@ -15,6 +15,8 @@ class PoseOptions(TypedDict, total=False):
     """Whether vertices of a handle go just where it takes them."""
     weight: float
     """How strongly soft handles pull: more holds them closer."""
+    preserve_volume: bool
+    """Closed components keep the volume that they have at rest."""
     weights: Literal["cotangent", "uniform"]
     """How much each neighbour of a vertex counts."""
     scale: bool

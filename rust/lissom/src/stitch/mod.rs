@@ -27,8 +27,10 @@ mod targets;
 mod triangles;
 mod turns;
 mod vectors;
+mod volume;
 
 pub use refine::{Descent, Refined, Stop, refine};
 pub use stitcher::Stitcher;
 pub use targets::{HatGradients, Local, Owners, Reference, Weights, edge_weights};
 pub use turns::{Turning, turned, turned_less};
+pub use volume::Volumes;
