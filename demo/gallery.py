@@ -33,6 +33,7 @@ OPTIONS = {"poisson": {"border": 1}}
 VARIANTS = {
     "laplacian_fitted, scale=False": ("laplacian_fitted", {"scale": False}),
     "poisson, border=0": ("poisson", {"border": 0}),
+    "arap, rotation_smoothing=0": ("arap", {"rotation_smoothing": 0.0}),
     "arap, rotation_smoothing=0.01": ("arap", {"rotation_smoothing": 0.01}),
     'rotation_invariant, interpolation="matrix", project=False': (
         "rotation_invariant",

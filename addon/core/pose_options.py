@@ -27,6 +27,7 @@ _LABELS = {
     "common": {
         "constraints": {"label": "Handles", "labels": {"hard": "Exact", "soft": "Soft"}},
         "weight": {"label": "Pull", "low": 1e-4, "high": 1e4, "soft_high": 10.0},
+        "preserve_volume": {"label": "Keep Volume"},
     },
     "laplacian": {"weights": _WEIGHTS},
     "laplacian_fitted": {

@@ -15,6 +15,8 @@ class PoseOptions(TypedDict, total=False):
     """Whether vertices of a handle go just where it takes them."""
     weight: float
     """How strongly soft handles pull: more holds them closer."""
+    preserve_volume: bool
+    """Closed components keep the volume that they have at rest."""
     weights: Literal["cotangent", "uniform"]
     """How much each neighbour of a vertex counts."""
     scale: bool
@@ -49,7 +51,7 @@ class PoseOptions(TypedDict, total=False):
     cells: Literal["spokes_and_rims", "spokes"]
     """The edges around a vertex that are kept rigid together."""
     rotation_smoothing: float
-    """How much neighbours must turn alike: more spreads a bend over a longer stretch."""
+    """How much neighbours must turn alike: more spreads a bend over a longer stretch, 0 creases."""
     smoothness: float
     """How much curvature counts against lengths: 0.1 takes the spike off a single moved vertex."""
     estimate: float

@@ -9,12 +9,15 @@ from numpy.testing import assert_array_equal
 
 BASES = [name for name, _, _ in METHODS if name != "multiresolution"]
 CASES = [(name, "poisson") for name in BASES] + [("multiresolution", base) for base in BASES]
-VERTICES, TRIANGLES = shapes.tube(rows=20, columns=12)
+VERTICES, TRIANGLES = shapes.prism(rows=20, columns=12)
+VERTICES[:, 1:] *= 1 + 0.1 * np.sin(
+    [3, 5] * VERTICES[:, [0, 0]]
+)  # bumpy, and closed, so that it has a volume
 TURN = shapes.rigid([0.3, 1.0, 0.2], 1.1, [0.4, -0.2, 0.3]) @ np.diag([1.2, 1.2, 1.2, 1.0])
 
 
 def bind(method, **options):
-    """Both ends of a bumpy tube as handles."""
+    """Both ends of a bumpy bar as handles."""
     return lissom.Pose(lissom.Mesh(VERTICES, TRIANGLES), shapes.ends(VERTICES), method=method, **options)
 
 
@@ -120,5 +123,5 @@ def test_options_of_one_name_differ_in_nothing_but_their_default():
 
 def test_what_single_precision_has_kept_is_the_decimal_that_was_meant():
     asked = Asked.of("laplacian", "", False, False, lambda owner, name: float(np.float32(0.2)))
-    assert asked.options == {"weights": 0.2, "constraints": 0.2, "weight": 0.2}
+    assert asked.options == {"weights": 0.2, "constraints": 0.2, "weight": 0.2, "preserve_volume": 0.2}
     assert float(np.float32(0.2)) != 0.2

@@ -133,10 +133,11 @@ def test_pose_before_and_after_bind(panels):
             "use_weights": False,
             "weld": False,
             "cells": "spokes_and_rims",
-            "rotation_smoothing": 0.0,
+            "rotation_smoothing": 0.001,
             "smoothness": 0.0,
             "constraints": "hard",
             "weight": 1.0,
+            "preserve_volume": False,
         }
     ]
     assert "lissom.pose_apply" not in free["operators"]
@@ -185,7 +186,8 @@ def test_the_redo_panel_shows_the_options_of_the_method():
         constraints="hard",
     )
     bpy.types.LISSOM_OT_pose_bind.draw(operator, bpy.context)
-    assert drawn["settings"] == ["method", "k_s", "k_b", "border", "constraints", "use_weights", "weld"]
+    shown = ["method", "k_s", "k_b", "border", "constraints", "preserve_volume", "use_weights", "weld"]
+    assert drawn["settings"] == shown
 
 
 def test_pose_of_an_active_handle_is_that_of_its_mesh(panels):

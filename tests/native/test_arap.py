@@ -9,6 +9,7 @@ from shapes import diagonal, ends, grid_faces, moved, rigid, tube
 
 # Energies that libigl 2.6.3 (spokes and rims) has after 1000 iterations from the rest pose,
 # in the units of the data: what a converged solve must not exceed.
+PLAIN = {"rotation_smoothing": 0.0, "smoothness": 0.0}
 SURVEY = {"bar": 78.206, "cactus": 0.0042867, "cylinder": 1.53800, "plane": 4.5853}
 
 
@@ -128,7 +129,7 @@ def test_agrees_with_a_dense_implementation():
     start = vertices.copy()
     start[high] = moved(motion, vertices[high])
     expected = dense_arap(vertices, faces, given, start, 5000)
-    pose = lissom.Pose(lissom.Mesh(vertices, faces), [low, high])
+    pose = lissom.Pose(lissom.Mesh(vertices, faces), [low, high], **PLAIN)
     result = pose.solve([np.eye(4), motion], tolerance=1e-14, max_iterations=5000)
     assert np.abs(result.vertices - expected).max() < 1e-5 * diagonal(vertices)
     found = energy(vertices, faces, result.vertices)
@@ -153,12 +154,12 @@ def test_survey(data, name):
     archive = data("survey")
     v, f, status = (archive[f"{name}_{part}"] for part in ("vertices", "faces", "status"))
     handles = [np.flatnonzero(status == 0), np.flatnonzero(status == 2)]
-    pose = lissom.Pose(lissom.Mesh(v, f), handles)
+    pose = lissom.Pose(lissom.Mesh(v, f), handles, **PLAIN)
     result = pose.solve([np.eye(4), archive[f"{name}_transform"]], max_iterations=400)
     assert energy(v, f, result.vertices) <= SURVEY[name]
 
 
-VARIANTS = [{"cells": "spokes"}, {"rotation_smoothing": 0.002}, {"smoothness": 0.1}]
+VARIANTS = [PLAIN, {"cells": "spokes"}, {"rotation_smoothing": 0.1}, {"smoothness": 0.1}]
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
@@ -173,7 +174,7 @@ def test_spokes_are_stationary_for_their_own_energy():
     """The gradient of the spokes energy, written edge by edge, vanishes at the free vertices."""
     vertices, faces = tube(rows=20, columns=14)
     low, high = ends(vertices)
-    pose = lissom.Pose(lissom.Mesh(vertices, faces), [low, high], cells="spokes")
+    pose = lissom.Pose(lissom.Mesh(vertices, faces), [low, high], cells="spokes", **PLAIN)
     goal = [np.eye(4), rigid((0, 0, 1), 1.0, (0, 0.5, 0))]
     x = pose.solve(goal, tolerance=1e-15, max_iterations=3000).vertices
     n, weights = len(vertices), half_cotangents(vertices, faces)
@@ -194,6 +195,68 @@ def test_spokes_are_stationary_for_their_own_energy():
     free = np.setdiff1d(np.arange(n), np.concatenate([low, high]))
     size = np.abs(w[i, j][:, None] * new).max()
     assert np.abs(force[free]).max() < 1e-5 * size
+
+
+def limb(seed, fineness):
+    """A tube of random cross section, triangulated at random, its vertices shifted along it."""
+    rng = np.random.default_rng(seed)
+    waves = 0.5 * rng.uniform(-1, 1, (2, 3)) / np.arange(2, 5) ** 1.5
+    rings, around = 30 * fineness, 20 * fineness
+    angle = 2 * np.pi * np.arange(around) / around
+    radius = 0.5 + 0.5 * sum(
+        a * np.cos(k * angle) + b * np.sin(k * angle) for k, a, b in zip((2, 3, 4), *waves, strict=True)
+    )
+    height = (
+        np.repeat(np.linspace(-3, 3, rings + 1), around)
+        + rng.uniform(-0.3, 0.3, (rings + 1) * around) * 6 / rings
+    )
+    section = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+    vertices = np.column_stack([np.tile(section, (rings + 1, 1)), height])
+    corner = np.arange(rings * around).reshape(rings, around)
+    p, q = corner.ravel(), np.roll(corner, -1, 1).ravel()
+    s, t = q + around, p + around
+    pairs = (np.array([(p, q, s), (p, s, t)]), np.array([(p, q, t), (q, s, t)]))
+    faces = np.where(rng.random(len(p)) < 0.5, *pairs).transpose(2, 0, 1).reshape(-1, 3)
+    return vertices, faces, around
+
+
+def thinnest(vertices, posed, around):
+    """The second singular value of the thinnest ring, over its rest value."""
+
+    def second(x):
+        rings = x.reshape(-1, around, 3)
+        return np.linalg.svd(rings - rings.mean(1, keepdims=True), compute_uv=False)[:, 1]
+
+    return (second(posed) / second(vertices)).min()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_an_elbow_keeps_its_thickness_however_fine_the_mesh(seed):
+    rng = np.random.default_rng(seed)
+    motion = rigid(np.append(rng.normal(size=2), 0), rng.uniform(0.5, 1.6))
+    kept = []
+    for fineness in (2, 3, 4):
+        vertices, faces, around = limb(seed, fineness)
+        handles = [np.flatnonzero(vertices[:, 2] < -2.5), np.flatnonzero(vertices[:, 2] > 2.5)]
+        result = lissom.Pose(lissom.Mesh(vertices, faces), handles).solve([np.eye(4), motion])
+        assert result.report["converged"]
+        kept.append(thinnest(vertices, result.vertices, around))
+    assert min(kept) > 0.65
+    assert np.ptp(kept) < 0.05
+
+
+@pytest.mark.parametrize("amount", [0.001, 0.01, 0.1])
+@pytest.mark.parametrize("degrees", [45, 90, 135, 165, 180])
+def test_rotation_smoothing_converges_and_holds_at_half_a_turn(amount, degrees):
+    vertices, faces, around = limb(0, 2)
+    handles = [np.flatnonzero(vertices[:, 2] < -2.5), np.flatnonzero(vertices[:, 2] > 2.5)]
+    pose = lissom.Pose(lissom.Mesh(vertices, faces), handles, rotation_smoothing=amount)
+    goal = [np.eye(4), rigid((0, 1, 0), np.radians(degrees))]
+    result = pose.solve(goal)
+    assert result.report["converged"]
+    exact = pose.solve(goal, max_iterations=3000, tolerance=1e-13, warm_start=False)
+    assert np.abs(result.vertices - exact.vertices).max() < 1e-2
+    assert thinnest(vertices, result.vertices, around) > 0.2
 
 
 def test_rotation_smoothing_brings_neighbours_rotations_together():

@@ -48,7 +48,7 @@ pub fn start_pose(
     options::read(method, options, &mut [&mut bound, &mut common])?;
     let mesh = mesh.get().0.clone();
     PyJob::start(
-        move |job| Pose::new(mesh, handles, roi.as_deref(), common.hold(), &bound, job),
+        move |job| Pose::new(mesh, handles, roi.as_deref(), &common, &bound, job),
         |py, pose| {
             let info = pose.info();
             let info = (info.unknowns, info.nonzeros, info.bytes, info.seconds);

@@ -69,6 +69,8 @@ pub use mesh::Mesh;
 
 /// A point or vector.
 pub type Vec3 = glam::DVec3;
+/// A quaternion.
+pub type Quat = glam::DQuat;
 /// A 3 x 3 matrix, column major.
 pub type Mat3 = glam::DMat3;
 /// A 4 x 4 matrix that acts on homogeneous column vectors.

@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use common::{numbers, sheet};
 use lissom::linear::Constraints;
-use lissom::matrix::dot;
+use lissom::matrix::{dot, norm_squared};
 use lissom::operators::gradient::deformation_gradients;
-use lissom::stitch::{HatGradients, Owners, Reference, Stitcher, Weights, edge_weights};
-use lissom::{Job, Mat3, Mesh, Vec3, rotation};
+use lissom::stitch::{HatGradients, Owners, Reference, Stitcher, Weights, edge_weights, turned};
+use lissom::{Job, Mat3, Mesh, Quat, Vec3, rotation};
 
 fn pin(mesh: &Mesh, pinned: &[usize]) -> Constraints {
     Constraints::hard(mesh.vertices().len(), |v| pinned.contains(&v))
@@ -269,6 +269,39 @@ fn the_local_step_finds_the_energy_of_the_rotations_that_it_picks() {
                 .sum(),
         };
         assert!((local.energy * owners.per_edge() - cells).abs() < 1e-10 * local.size, "{owners:?}");
+    }
+}
+
+#[test]
+fn torques_are_the_gradient_of_the_energy_by_the_rotations() {
+    let mesh = Arc::new(sheet(7));
+    let (n, job, mut next) = (mesh.rest().len(), Job::default(), numbers(10));
+    let mut vectors =
+        |size: f64| -> Vec<Vec3> { (0..n).map(|_| Vec3::new(next(), next(), next()) * size).collect() };
+    let (d, turns, direction) = (vectors(0.1), vectors(2.0), vectors(1.0));
+    let rotations: Vec<Quat> = turns.iter().map(|&turn| Quat::from_scaled_axis(turn)).collect();
+    for owners in [Owners::Edges, Owners::Corners] {
+        let weights = Weights::Cotangent;
+        let stitcher = Stitcher::new(mesh.clone(), owners, weights, None, pin(&mesh, &[0]), &job).unwrap();
+        let rest = stitcher.covariances(Reference::Rest, mesh.rest());
+        let at = |rotations: &[Quat], smoothing: f64| {
+            stitcher.turning(&rest, rotations, &d, smoothing, |_| (Mat3::ZERO, 0.0))
+        };
+        let matrix = |i: usize| Mat3::from_quat(rotations[i]);
+        let local = stitcher.local_step(Reference::Rest, &d, |i, _| matrix(i));
+        assert!((at(&rotations, 0.0).energy - local.energy).abs() < 1e-10 * local.size, "{owners:?}");
+        let apart = |i: usize| {
+            let neighbours = stitcher.neighbours(i);
+            neighbours.map(|(j, w)| w.max(0.0) * norm_squared(matrix(i) - matrix(j))).sum::<f64>()
+        };
+        let smooth = 0.2 * (0..n).map(apart).sum::<f64>();
+        let added = at(&rotations, 0.2).energy - at(&rotations, 0.0).energy;
+        assert!((added - smooth).abs() < 1e-10 * smooth, "{owners:?}: {added} {smooth}");
+        let along = |h: f64| at(&turned(&rotations, &direction, h), 0.2).energy;
+        let expected = (along(1e-4) - along(-1e-4)) / 2e-4;
+        let torques = at(&rotations, 0.2).torques;
+        let found = 2.0 * torques.iter().zip(&direction).map(|(t, o)| t.dot(*o)).sum::<f64>();
+        assert!((found - expected).abs() < 1e-6 * expected.abs(), "{owners:?}: {found} {expected}");
     }
 }
 

@@ -52,7 +52,6 @@ mod route;
 mod screw;
 mod shapes;
 mod stretch;
-mod volume;
 
 pub use blend::Blend;
 pub use keyframes::Keyframes;

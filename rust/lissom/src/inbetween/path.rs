@@ -17,9 +17,8 @@ use super::relative::Relative;
 use super::screw::Screw;
 use super::shapes::{Shapes, Targets};
 use super::stretch::{self, Stretch, shares};
-use super::volume::Volumes;
 use crate::geometry::triangle::normal_and_area;
-use crate::stitch::HatGradients;
+use crate::stitch::{HatGradients, Volumes};
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, memory};
 
 /// Correlation of the folds at both ends, below the negative of which a component counts as mirrored.
@@ -199,7 +198,9 @@ impl Inbetween {
         let mut arcs = self.shapes.stitch(&targets, self.options.refinement, |t| self.turning[t], job)?;
         for ((&t, targets), y) in times.iter().zip(&targets).zip(&mut arcs) {
             if let Some(volumes) = &self.volumes {
-                volumes.restore(&self.shapes.stitcher, &targets.line, y, self.inner_time(t));
+                let (stitcher, wanted) = (&self.shapes.stitcher, volumes.at(self.inner_time(t)));
+                let precondition = |gradient: &[Vec3]| stitcher.precondition(gradient);
+                volumes.restore(stitcher.mesh(), &targets.line, y, &wanted, precondition);
                 self.shapes.centre(&targets.offsets, y);
             }
             if let Some(clearance) = &self.clearance

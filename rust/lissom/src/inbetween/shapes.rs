@@ -23,7 +23,7 @@ use crate::linear::{Constraints, REGULARIZED};
 use crate::mesh::validate;
 use crate::operators::hat_gradients_at;
 use crate::rotation::nearest_rotation;
-use crate::stitch::{Chooser, HatGradients, Iterate, Owners, Reference, Stitcher, Stop, Weights};
+use crate::stitch::{Descent, HatGradients, Local, Owners, Reference, Stitcher, Stop, Weights, refine};
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
 
 /// Shapes of one mesh and the stitch between them.
@@ -175,11 +175,12 @@ impl Shapes {
         targets.par_iter().zip(&mut shapes).try_for_each(|(targets, y)| {
             if rounds > 0 {
                 let refit = Refit { stitcher: &self.stitcher, targets, may_turn: &may_turn };
-                let start = refit.fit(std::mem::take(y), &[]);
+                let start = refit.fit(std::mem::take(y));
                 // The last step is the plain one, which needs no look at where it leads.
                 let stop = Stop { max_iterations: rounds - 1, tolerance: 0.0 };
-                let refined = self.stitcher.refine(&refit, start, stop, |_| job.check())?;
-                *y = self.stitcher.global_step(&refit, &refined.fit);
+                let refined = refine(&refit, start, stop, |_| job.check())?.point;
+                let [_, step] = refit.gradient(&refined);
+                *y = refined.0.iter().zip(step).map(|(&y, step)| y - step).collect();
             }
             self.centre(&targets.offsets, y);
             Ok(())
@@ -214,19 +215,34 @@ struct Refit<'a, F, M> {
     may_turn: &'a M,
 }
 
-impl<F: Fn(usize) -> [HatGradients; 2] + Sync, M: Fn(usize) -> bool + Sync> Chooser for Refit<'_, F, M> {
-    fn fit(&self, displacements: Vec<Vec3>, _: &[Mat3]) -> Iterate {
+impl<F: Fn(usize) -> [HatGradients; 2] + Sync, M: Fn(usize) -> bool + Sync> Refit<'_, F, M> {
+    /// The displacements with the targets that fit them best.
+    fn fit(&self, displacements: Vec<Vec3>) -> (Vec<Vec3>, Local) {
         let pick = |t: usize, covariance: Mat3| {
             let turns = covariance != Mat3::ZERO && (self.may_turn)(t);
             if turns { nearest_rotation(covariance) } else { Mat3::IDENTITY + self.targets.changes[t] }
         };
         let local = self.stitcher.local_step(self.targets.reference(), &displacements, pick);
-        Iterate { displacements, changes: local.changes, energy: local.energy, size: local.size }
+        (displacements, local)
+    }
+}
+
+impl<F: Fn(usize) -> [HatGradients; 2] + Sync, M: Fn(usize) -> bool + Sync> Descent for Refit<'_, F, M> {
+    type Point = (Vec<Vec3>, Local);
+
+    fn energy(&self, (_, local): &Self::Point) -> (f64, f64) {
+        (local.energy, local.size)
     }
 
-    fn gradient(&self, fit: &Iterate) -> Vec<Vec3> {
+    fn gradient(&self, (displacements, local): &Self::Point) -> [Vec<Vec3>; 2] {
         // Nothing is pulled here, only held.
-        self.stitcher.gradient(self.targets.reference(), &fit.changes, &fit.displacements, &[])
+        let gradient = self.stitcher.gradient(self.targets.reference(), &local.changes, displacements, &[]);
+        let preconditioned = self.stitcher.precondition(&gradient);
+        [gradient, preconditioned]
+    }
+
+    fn moved(&self, (from, _): &Self::Point, direction: &[Vec3], length: f64) -> Self::Point {
+        self.fit(from.iter().zip(direction).map(|(&y, &d)| y + d * length).collect())
     }
 }
 

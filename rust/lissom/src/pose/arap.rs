@@ -1,42 +1,47 @@
 //! As-rigid-as-possible surface modelling (Sorkine & Alexa 2007).
 //!
 //! ```text
-//!     E(x) = min_R  sum_i  sum_{e in cell i}  w_te | e(x) - R_i e(v) |^2
+//!     E(R) = min_x  sum_i  sum_{e in cell i}  w_te | e(x) - R_i e(v) |^2
 //! ```
 //!
 //! A cell is all edges of the triangles at `i`, [`Cells::SpokesAndRims`] (Chao, Pinkall, Sanan & Schröder
-//! 2010), or only those that end in `i`, [`Cells::Spokes`]. The *local* step takes for `R_i` the rotation
-//! nearest to the cell's covariance `sum w e(x) e(v)^T`. The *global* step stitches ([`crate::stitch`]): for fixed
-//! rotations every edge of every triangle has as its target the mean over the cells it is in,
+//! 2010), or only those that end in `i`, [`Cells::Spokes`]. With spokes and rims the sum over a triangle is never
+//! negative, whatever the sign of single cotangents; spokes alone need negative edge weights cut off.
 //!
-//! ```text
-//!     C_te = (R_i + R_j + R_k) / 3    or, for spokes,    (R_j + R_k) / 2      for the edge from j to k
-//! ```
+//! As published, rotations and positions are found in turn. Here the rotations are the unknowns ([`crate::stitch`],
+//! turns): every shape is the one that matches its rotations best, and the rotations descend.
 //!
-//! With spokes and rims the sum over a triangle is never negative, whatever the sign of single
-//! cotangents; spokes alone need negative edge weights cut off.
+//! This energy stretches, but does not bend: its minimum folds a tube's elbow flat, the sharper the finer the mesh.
+//! Two terms bend, each with a length of its own that no refinement changes. `rotation_smoothing` adds
+//! `a area sum_ij w_ij |R_i - R_j|^2` (Levi & Gotsman 2015, Smooth Rotation Enhanced As-Rigid-As-Possible Mesh
+//! Animation): the Dirichlet energy of the rotations, which makes a surface bend like a solid of the thickness
+//! `sqrt(a area)`. `smoothness` blends to `(1 - l) E + l h^2 sum_i |(L x)_i - R_i (L v)_i|^2 / m_i` (Oehri, Herholz &
+//! Sorkine-Hornung 2025, Higher Order Continuity for Smooth As-Rigid-As-Possible Shape Modeling), so that a single
+//! moved vertex pulls without a spike. They leave the unit of length open; the factor [`BENDING`] times the region's
+//! area makes `l` mean the same for every mesh.
 //!
-//! Two terms may join. `rotation_smoothing` adds `a area sum_ij w_ij |R_i - R_j|^2` (Levi & Gotsman 2015,
-//! Smooth Rotation Enhanced As-Rigid-As-Possible Mesh Animation), which makes a surface bend like a solid.
-//! `smoothness` blends to `(1 - l) E + l h^2 sum_i |(L x)_i - R_i (L v)_i|^2 / m_i` (Oehri, Herholz &
-//! Sorkine-Hornung 2025, Higher Order Continuity for Smooth As-Rigid-As-Possible Shape Modeling), with
-//! the rotations still fitted to edges, so that a single moved vertex pulls without a spike. They leave the
-//! unit of length open; the factor [`BENDING`] times the region's area makes `l` mean the same for every mesh.
+//! The metric of the descent is the rotations' own part of the second derivative about the rest pose:
+//! `tr(S_i) I - S_i` of each cell's covariance `S_i` or, with `rotation_smoothing`, the mean `2/3 tr S_i` of its
+//! eigenvalues and `4 a area L`. With that the number of iterations does not grow with the mesh.
 
 use std::f64::consts::PI;
+
+use rayon::prelude::*;
 
 use super::field::{self, inverse_mass};
 use super::goal::Goal;
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
 use crate::geometry::rows::Rows;
-use crate::linear::{ConstrainedSystem, SymmetricMatrix};
-use crate::matrix::norm_squared;
+use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
+use crate::matrix::{outer, trace};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::options::{choices, options};
 use crate::rotation::nearest_rotation;
-use crate::stitch::{Chooser, Iterate, Owners, Reference, Stitcher, Stop, Weights, edge_weights};
-use crate::{Job, Mat3, Mesh, Result, Vec3};
+use crate::stitch::{
+    Descent, Owners, Reference, Stitcher, Stop, Weights, edge_weights, refine, turned, turned_less,
+};
+use crate::{Job, Mat3, Mesh, Quat, Result, Vec3};
 
 /// Extended rotations are a start where they bring the energy below this fraction of that without.
 const CLEARLY: f64 = 0.8;
@@ -44,6 +49,9 @@ const CLEARLY: f64 = 0.8;
 /// What the bending term of `smoothness` is worth, relative to the area of the region: at `l = 1/2` it
 /// rules over distances below a tenth of the region's size.
 const BENDING: f64 = 0.01;
+
+/// Smallest mass of a rotation in the metric, relative to the mean.
+const LEAST_MASS: f64 = 1e-6;
 
 choices! {
     /// Which edges a vertex's rotation is fitted to.
@@ -61,8 +69,8 @@ options! {
     pub struct Options {
         /// The edges around a vertex that are kept rigid together.
         pub cells: Cells = Cells::SpokesAndRims,
-        /// How much neighbours must turn alike: more spreads a bend over a longer stretch.
-        pub rotation_smoothing: f64 = 0.0 => at_least(0.0),
+        /// How much neighbours must turn alike: more spreads a bend over a longer stretch, 0 creases.
+        pub rotation_smoothing: f64 = 0.001 => at_least(0.0),
         /// How much curvature counts against lengths: 0.1 takes the spike off a single moved vertex.
         pub smoothness: f64 = 0.0 => at_least(0.0) below(1.0),
     }
@@ -78,11 +86,22 @@ pub(super) fn bind(region: &Region, options: &Options, job: &Job) -> Result<Box<
 pub struct Arap {
     /// Of weights times `1 - l`.
     stitcher: Stitcher,
-    /// `a` times the region's area, against weights times `1 - l`.
+    /// Covariances of the cells at rest.
+    rest: Vec<Mat3>,
+    /// `a` times the region's area, against weights times `1 - l`, over the number of cells of an edge.
     rotation_smoothing: f64,
     smoothness: Option<Smoothness>,
-    /// The rotations of the last pose, less the identity.
-    previous: Option<Vec<Mat3>>,
+    metric: Metric,
+    /// The rotations of the last pose.
+    previous: Option<Vec<Quat>>,
+}
+
+/// What gradients by the rotations are divided by.
+#[derive(Debug)]
+enum Metric {
+    /// The inverse of every block.
+    Blocks(Vec<Mat3>),
+    Smoothing(ConstrainedSystem),
 }
 
 /// The Laplacian's rows, how much each counts, and what they make of the rest pose.
@@ -100,19 +119,31 @@ struct Posing<'a> {
     goal: &'a Goal,
 }
 
+/// Rotations, and the shape that matches them best.
+#[derive(Debug)]
+struct Turned {
+    rotations: Vec<Quat>,
+    displacements: Vec<Vec3>,
+    /// Half the gradient by the rotations.
+    torques: Vec<Vec3>,
+    energy: f64,
+    size: f64,
+}
+
 impl Arap {
-    /// Factors the system of the global step.
+    /// Factors the system of the positions, and that of the rotations where they are smoothed.
     ///
     /// # Errors
     ///
-    /// [`crate::Error::SolveFailed`] where the system cannot be factored.
+    /// [`crate::Error::SolveFailed`] where a system cannot be factored.
     pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let mesh = region.mesh();
+        let n = mesh.rest().len();
         let share = 1.0 - options.smoothness;
         let smoothness = (options.smoothness > 0.0).then(|| Smoothness::of(mesh, options.smoothness));
         let bending = smoothness.as_ref().map(|smoothness| {
             let rows = smoothness.factor.iter().copied().zip(smoothness.rows.iter());
-            SymmetricMatrix::normal(mesh.rest().len(), rows)
+            SymmetricMatrix::normal(n, rows)
         });
         let (of_triangles, of_edges);
         let (owners, weights) = match options.cells {
@@ -128,8 +159,18 @@ impl Arap {
         };
         let constraints = region.constraints().clone();
         let stitcher = Stitcher::new(mesh.clone(), owners, weights, bending.as_ref(), constraints, job)?;
-        let rotation_smoothing = options.rotation_smoothing * mesh.areas().iter().sum::<f64>() / share;
-        Ok(Self { stitcher, rotation_smoothing, smoothness, previous: None })
+        let mut rest = stitcher.covariances(Reference::Rest, mesh.rest());
+        for (i, covariance) in rest.iter_mut().enumerate() {
+            if let Some(smoothness) = &smoothness {
+                *covariance += smoothness.covariance(i, smoothness.rest[i]);
+            }
+            // But for rounding they are symmetric; exactly so, the rest pose has no torques.
+            *covariance = (*covariance + covariance.transpose()) * 0.5;
+        }
+        let area: f64 = mesh.areas().iter().sum();
+        let rotation_smoothing = options.rotation_smoothing * area / (share * owners.per_edge());
+        let metric = Metric::of(&stitcher, &rest, rotation_smoothing, job)?;
+        Ok(Self { stitcher, rest, rotation_smoothing, smoothness, metric, previous: None })
     }
 
     /// The better of two shapes to start from: stitched to the handles' rotations, extended as harmonic rotation
@@ -137,67 +178,100 @@ impl Arap {
     /// fit where only the handles move, which bends nothing that may stay straight. Which of them leads to
     /// the lower minimum shows only at the end. Where both are about equal, rotations are not what the pose is
     /// about, and the second leads lower.
-    fn start(&self, region: &Region, goal: &Goal) -> Iterate {
+    fn start(&self, region: &Region, goal: &Goal) -> Turned {
         let posing = Posing { arap: self, goal };
-        let rotations = field::rotations(self.stitcher.system(), region, goal);
-        let extended = posing.stitched(rotations.into_iter().map(|r| r - Mat3::IDENTITY).collect());
+        let quaternions =
+            |rotations: Vec<Mat3>| rotations.iter().map(|r| Quat::from_mat3(r).normalize()).collect();
+        let extended = posing.stitched(quaternions(field::rotations(self.stitcher.system(), region, goal)));
         // More than half a turn is in the extended rotations alone.
         if goal.handles.iter().any(|m| m.whole_turns != Vec3::ZERO || m.rotation.length() > PI) {
             return extended;
         }
-        let unturned = vec![Mat3::ZERO; goal.displacements.len()];
-        let rest = posing.stitched(posing.fit(goal.displacements.clone(), &unturned).changes);
+        let x: Vec<Vec3> =
+            region.mesh().rest().iter().zip(&goal.displacements).map(|(&v, &d)| v + d).collect();
+        let covariances = self.stitcher.covariances(Reference::Rest, &x);
+        let rest = posing.stitched(quaternions(covariances.into_iter().map(nearest_rotation).collect()));
         if extended.energy <= CLEARLY * rest.energy { extended } else { rest }
     }
 }
 
-impl Posing<'_> {
-    /// The shape for given rotations, and those that fit it best.
-    fn stitched(&self, changes: Vec<Mat3>) -> Iterate {
-        let from =
-            Iterate { displacements: self.goal.displacements.clone(), changes, energy: 0.0, size: 0.0 };
-        self.fit(self.arap.stitcher.global_step(self, &from), &from.changes)
+impl Metric {
+    fn of(stitcher: &Stitcher, rest: &[Mat3], smoothing: f64, job: &Job) -> Result<Self> {
+        let mean = rest.iter().map(|s| trace(*s)).sum::<f64>() / rest.len() as f64;
+        let least = (LEAST_MASS * mean).max(f64::MIN_POSITIVE);
+        if smoothing == 0.0 {
+            let block = |s: &Mat3| (Mat3::IDENTITY * (trace(*s) + least) - *s).inverse();
+            return Ok(Self::Blocks(rest.iter().map(block).collect()));
+        }
+        let masses: Vec<f64> = rest.iter().map(|s| 2.0 / 3.0 * trace(*s) + least).collect();
+        let edges = |i: usize| {
+            let beyond = stitcher.neighbours(i).filter(move |(j, _)| i < *j);
+            beyond.map(move |(j, w)| (i as u32, j as u32, 4.0 * smoothing * w.max(0.0)))
+        };
+        let mut matrix = SymmetricMatrix::laplacian(masses.len(), (0..masses.len()).flat_map(edges));
+        masses.iter().enumerate().for_each(|(i, &mass)| matrix.add_to_diagonal(i, mass));
+        let free = Constraints::hard(masses.len(), |_| false);
+        Ok(Self::Smoothing(ConstrainedSystem::new(&matrix, free, job)?))
+    }
+
+    fn divide(&self, gradient: &[Vec3]) -> Vec<Vec3> {
+        match self {
+            Self::Blocks(inverse) => gradient.iter().zip(inverse).map(|(&g, inverse)| *inverse * g).collect(),
+            Self::Smoothing(system) => {
+                let mut divided = [vec![Vec3::ZERO; gradient.len()]];
+                system.solve(&[gradient], &mut divided);
+                let [divided] = divided;
+                divided
+            }
+        }
     }
 }
 
-impl Chooser for Posing<'_> {
-    /// Energies are over the number of cells that an edge is in.
-    fn fit(&self, displacements: Vec<Vec3>, last: &[Mat3]) -> Iterate {
-        let Arap { stitcher, smoothness, .. } = self.arap;
-        let smoothing = self.arap.rotation_smoothing / stitcher.owners().per_edge();
-        let local = stitcher.local_step(Reference::Rest, &displacements, |i, mut covariance| {
-            if smoothing > 0.0 {
-                for (j, weight) in stitcher.neighbours(i) {
-                    covariance += (Mat3::IDENTITY + last[j]) * (2.0 * smoothing * weight.max(0.0));
-                }
-            }
-            nearest_rotation(covariance)
-        });
+impl Posing<'_> {
+    /// The shape that matches rotations best.
+    fn stitched(&self, rotations: Vec<Quat>) -> Turned {
+        let Arap { stitcher, rest, rotation_smoothing, smoothness, .. } = self.arap;
+        let mut asked = stitcher.turn_divergence(&rotations);
+        if let Some(smoothness) = smoothness {
+            smoothness.add_divergence(&rotations, &mut asked);
+        }
+        let mut displacements = [self.goal.displacements.clone()];
+        stitcher.system().solve(&[asked], &mut displacements);
+        let [displacements] = displacements;
+        let bent = |i: usize| smoothness.as_ref().map_or((Mat3::ZERO, 0.0), |s| s.bent(i, &displacements));
+        let turning = stitcher.turning(rest, &rotations, &displacements, *rotation_smoothing, bent);
         let missed = |&(v, weight): &(u32, f64)| {
             weight * displacements[v as usize].distance_squared(self.goal.displacements[v as usize])
         };
         let pulls: f64 = stitcher.system().constraints().soft().iter().map(missed).sum();
-        let bending = smoothness.as_ref().map_or(0.0, |s| s.energy(&displacements, &local.changes));
-        let apart = if smoothing > 0.0 { smoothing * disagreement(stitcher, &local.changes) } else { 0.0 };
-        let energy = local.energy + bending + pulls + apart;
-        Iterate { displacements, changes: local.changes, energy, size: local.size }
+        let (energy, size) = (turning.energy + pulls, turning.size + pulls);
+        Turned { rotations, displacements, torques: turning.torques, energy, size }
+    }
+}
+
+impl Descent for Posing<'_> {
+    type Point = Turned;
+
+    fn energy(&self, at: &Turned) -> (f64, f64) {
+        (at.energy, at.size)
     }
 
-    fn gradient(&self, fit: &Iterate) -> Vec<Vec3> {
-        let Iterate { displacements, changes, .. } = fit;
-        let Arap { stitcher, smoothness, .. } = self.arap;
-        let mut gradient =
-            stitcher.gradient(Reference::Rest, changes, displacements, &self.goal.displacements);
-        if let Some(smoothness) = smoothness {
-            smoothness.add_gradient(displacements, changes, &mut gradient);
-        }
-        gradient
+    fn gradient(&self, at: &Turned) -> [Vec<Vec3>; 2] {
+        [at.torques.clone(), self.arap.metric.divide(&at.torques)]
+    }
+
+    fn moved(&self, from: &Turned, direction: &[Vec3], length: f64) -> Turned {
+        self.stitched(turned(&from.rotations, direction, length))
     }
 }
 
 impl Method for Arap {
     fn systems(&self) -> Vec<&ConstrainedSystem> {
-        vec![self.stitcher.system()]
+        let of_rotations = match &self.metric {
+            Metric::Blocks(_) => None,
+            Metric::Smoothing(system) => Some(system),
+        };
+        std::iter::once(self.stitcher.system()).chain(of_rotations).collect()
     }
 
     fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution> {
@@ -205,17 +279,17 @@ impl Method for Arap {
         let previous = self.previous.clone().filter(|_| options.warm_start);
         let posing = Posing { arap: self, goal };
         let start = match previous {
-            Some(changes) => posing.stitched(changes),
+            Some(rotations) => posing.stitched(rotations),
             None => self.start(region, goal),
         };
         let stop = Stop { max_iterations: options.max_iterations, tolerance: options.tolerance };
-        let refined = self.stitcher.refine(&posing, start, stop, |iteration| {
+        let refined = refine(&posing, start, stop, |iteration| {
             job.report(iteration as f64 / stop.max_iterations as f64, "posing");
             job.check()
         })?;
         let cells = self.stitcher.owners().per_edge();
-        let Iterate { displacements, changes, energy, .. } = refined.fit;
-        self.previous = Some(changes);
+        let Turned { rotations, displacements, energy, .. } = refined.point;
+        self.previous = Some(rotations);
         Ok(Solution {
             displacements,
             iterations: refined.iterations,
@@ -224,15 +298,6 @@ impl Method for Arap {
             residual: refined.residual,
         })
     }
-}
-
-/// `sum_ij w_ij |R_i - R_j|^2`, each edge from both ends.
-fn disagreement(stitcher: &Stitcher, changes: &[Mat3]) -> f64 {
-    let apart = |i: usize| {
-        let neighbours = stitcher.neighbours(i).filter(move |(j, _)| i < *j);
-        neighbours.map(move |(j, w)| w.max(0.0) * norm_squared(changes[i] - changes[j])).sum::<f64>()
-    };
-    2.0 * (0..changes.len()).map(apart).sum::<f64>()
 }
 
 impl Smoothness {
@@ -244,23 +309,22 @@ impl Smoothness {
         Self { rows, factor: inverse.into_iter().map(|m| m * unit).collect(), rest }
     }
 
-    /// Adds half the gradient of `sum_i f_i |(L d)_i - (R_i - I) (L v)_i|^2`.
-    fn add_gradient(&self, displacements: &[Vec3], changes: &[Mat3], gradient: &mut [Vec3]) {
-        for (i, row) in self.rows.iter().enumerate() {
-            let bend = self.bend(i, displacements, changes) * self.factor[i];
-            for &(j, value) in row {
-                gradient[j as usize] += bend * value;
-            }
-        }
+    /// Adds `sum_i f_i L_ij (R_i - I) (L v)_i`, what the second differences ask of each vertex.
+    fn add_divergence(&self, rotations: &[Quat], divergence: &mut [Vec3]) {
+        let asked: Vec<Vec3> =
+            (0..rotations.len()).map(|i| turned_less(rotations[i], self.rest[i]) * self.factor[i]).collect();
+        let rows = divergence.par_iter_mut().enumerate();
+        rows.for_each(|(j, sum)| *sum += combination(self.rows.of(j), &asked));
     }
 
-    fn energy(&self, displacements: &[Vec3], changes: &[Mat3]) -> f64 {
-        let part = |i: usize| self.factor[i] * self.bend(i, displacements, changes).length_squared();
-        (0..self.rows.count()).map(part).sum()
+    /// What the second differences at a vertex add to its covariance and to the size of the displacements.
+    fn bent(&self, i: usize, displacements: &[Vec3]) -> (Mat3, f64) {
+        let bend = combination(self.rows.of(i), displacements);
+        (self.covariance(i, bend), self.factor[i] * bend.length_squared())
     }
 
-    fn bend(&self, i: usize, displacements: &[Vec3], changes: &[Mat3]) -> Vec3 {
-        combination(self.rows.of(i), displacements) - changes[i] * self.rest[i]
+    fn covariance(&self, i: usize, bend: Vec3) -> Mat3 {
+        outer(bend, self.rest[i]) * self.factor[i]
     }
 }
 

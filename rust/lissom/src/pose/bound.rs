@@ -4,9 +4,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::goal::{self, Goal};
-use super::method::{Method, SolveOptions};
-use super::region::{Handle, Hold, Region};
+use super::method::{CommonOptions, Method, SolveOptions};
+use super::region::{Handle, Region};
 use super::registry::MethodOptions;
+use super::volume::KeptVolume;
 use super::welding::Welding;
 use crate::linear::{Factor, REGULARIZED};
 use crate::options::OptionSet;
@@ -57,6 +58,7 @@ pub struct Pose {
     welding: Welding,
     region: Region,
     method: Option<Box<dyn Method>>,
+    volume: Option<KeptVolume>,
     info: Info,
     warnings: Vec<String>,
 }
@@ -77,7 +79,7 @@ impl Pose {
         mesh: Arc<Mesh>,
         handles: Vec<Handle>,
         roi: Option<&[u32]>,
-        hold: Hold,
+        common: &CommonOptions,
         method: &MethodOptions,
         job: &Job,
     ) -> Result<Self> {
@@ -85,13 +87,17 @@ impl Pose {
         job.report(0.0, "region");
         let (welding, welded) = Welding::of(&mesh, handles);
         let roi = roi.map(|roi| roi.iter().map(|&v| mesh.representative(v)).collect::<Vec<_>>());
-        let region = Region::of(&mesh, welded, roi.as_deref(), hold)?;
+        let region = Region::of(&mesh, welded, roi.as_deref(), common.hold())?;
         job.report(0.1, "matrix");
         job.check()?;
         let method = if region.is_rigid() { None } else { Some(method.bind(&region, job)?) };
+        let keeps = common.preserve_volume && method.is_some();
+        let volume = if keeps { Some(KeptVolume::of(&mesh, &region, job)?) } else { None };
         let mut info = Info::default();
         let mut warnings = region.warnings().to_vec();
-        let factors: Vec<&Factor> = method.iter().flat_map(|m| m.systems()).map(|s| s.factor()).collect();
+        warnings.extend(volume.as_ref().and_then(|volume| volume.warning(&mesh)));
+        let systems = method.iter().flat_map(|m| m.systems()).chain(volume.as_ref().map(KeptVolume::system));
+        let factors: Vec<&Factor> = systems.map(|s| s.factor()).collect();
         for factor in &factors {
             info.unknowns += factor.size();
             info.nonzeros += factor.nonzeros();
@@ -102,7 +108,7 @@ impl Pose {
         }
         info.seconds = begin.elapsed().as_secs_f64();
         job.report(1.0, "ready");
-        Ok(Self { mesh, welding, region, method, info, warnings })
+        Ok(Self { mesh, welding, region, method, volume, info, warnings })
     }
 
     /// What binding made.
@@ -224,7 +230,14 @@ impl Pose {
                 ));
             }
         }
-        self.welding.put(&self.mesh, targets, own, &mut vertices, |v| self.region.is_given(v));
+        let put = |vertices: &mut [Vec3]| {
+            self.welding.put(&self.mesh, targets, own, vertices, |v| self.region.is_given(v));
+        };
+        put(&mut vertices);
+        if let Some(volume) = &self.volume {
+            volume.restore(&self.mesh, &self.region, &mut vertices);
+            put(&mut vertices);
+        }
         if let Some(v) = vertices.iter().position(|p| !p.is_finite()) {
             return Err(Error::SolveFailed(format!("vertex {v} overflows the range of numbers")));
         }

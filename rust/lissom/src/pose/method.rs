@@ -37,6 +37,8 @@ options! {
         pub constraints: Holding = Holding::Hard,
         /// How strongly soft handles pull: more holds them closer.
         pub weight: f64 = 1.0 => above(0.0) when("constraints", "soft"),
+        /// Closed components keep the volume that they have at rest.
+        pub preserve_volume: bool = false,
     }
 }
 

@@ -31,6 +31,7 @@ mod registry;
 mod responses;
 pub mod rotation_invariant;
 pub mod thin_shell;
+mod volume;
 mod welding;
 
 pub use bound::{Info, Pose, Posed, Report};

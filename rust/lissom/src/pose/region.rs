@@ -186,6 +186,11 @@ impl Region {
         self.part.as_ref().expect("a method is only made for a region with free vertices")
     }
 
+    /// For each vertex of [`Region::mesh`], its index in the whole mesh.
+    pub fn whole(&self) -> &[u32] {
+        &self.whole
+    }
+
     /// Which vertices of [`Region::mesh`] are given.
     pub fn constraints(&self) -> &Constraints {
         &self.constraints

@@ -15,7 +15,7 @@ use crate::operators::hat_gradients_at;
 use crate::{Mat3, Mesh, Vec3};
 
 /// Vertices that a thread takes at once.
-const GRAIN: usize = 1024;
+pub(super) const GRAIN: usize = 1024;
 
 /// The edges at each vertex, at rest.
 #[derive(Debug)]
@@ -33,9 +33,9 @@ pub(super) struct Spoke {
     pub neighbour: u32,
     pub weight: f64,
     /// `m_ij`: what the cell of `i` makes of the neighbour's position.
-    own: Vec3,
+    pub own: Vec3,
     /// `m_ji`: what the neighbour's cell makes of the position of `i`.
-    neighbours: Vec3,
+    pub neighbours: Vec3,
 }
 
 impl Fans {
@@ -100,8 +100,13 @@ impl Fans {
         (0..self.total.len() as u32).flat_map(at).filter(|(i, j, _)| i < j)
     }
 
+    /// `sum_j m_ij` at a vertex.
+    pub fn total(&self, vertex: usize) -> Vec3 {
+        self.total[vertex]
+    }
+
     /// Something of every vertex.
-    fn map<T: Send>(&self, of: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    pub fn map<T: Send>(&self, of: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
         (0..self.total.len()).into_par_iter().with_min_len(GRAIN).map(of).collect()
     }
 

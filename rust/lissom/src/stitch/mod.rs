@@ -16,7 +16,8 @@
 //! *Local step.* For given positions the energy is `const - 2 sum C : cov(x)`, where the covariances are the adjoint
 //! of the divergence, `<div C, x> = sum C : cov(x)`. The best rotations are those nearest to them.
 //!
-//! [`Stitcher::refine`] alternates the two.
+//! Both are steps down the same energy, which [`refine`] takes with an eye on the last ones; either the shape is what
+//! it moves, or the rotations of the vertices.
 
 mod fans;
 mod lbfgs;
@@ -24,8 +25,12 @@ mod refine;
 mod stitcher;
 mod targets;
 mod triangles;
+mod turns;
 mod vectors;
+mod volume;
 
-pub use refine::{Chooser, Iterate, Refined, Stop};
+pub use refine::{Descent, Refined, Stop, refine};
 pub use stitcher::Stitcher;
 pub use targets::{HatGradients, Local, Owners, Reference, Weights, edge_weights};
+pub use turns::{Turning, turned, turned_less};
+pub use volume::Volumes;

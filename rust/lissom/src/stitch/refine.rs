@@ -1,44 +1,35 @@
-//! Local and global steps in turn, until the energy falls no more.
+//! Descent to the minimum of an energy: [`Lbfgs`] in the metric of a matrix that is factored once.
 //!
-//! By themselves they are descent along `-K^-1` times the gradient, `K` being the matrix of the global step, and
-//! converge slowly. The last steps tell more of the curvature: [`Lbfgs`] in that metric (Liu, Bouaziz & Kavan 2017,
-//! Quasi-Newton Methods for Real-Time Simulation of Hyperelastic Materials). A step that does not lower the energy
-//! well enough is shortened, and where that does not help the plain global step is taken, which always does.
+//! A global step after a local one is descent along `-K^-1` times the gradient, `K` being the matrix of the global
+//! step, and converges slowly. The last steps tell more of the curvature. A step that does not lower the energy well
+//! enough is shortened, and where that does not help the last steps are forgotten.
 
 use super::lbfgs::Lbfgs;
-use super::stitcher::Stitcher;
-use super::vectors::{dot, moved};
-use crate::{Mat3, Result, Vec3};
+use super::vectors::dot;
+use crate::{Result, Vec3};
 
 /// An energy below this fraction of that of the edges themselves is zero but for rounding.
 const NOTHING: f64 = 1e-14;
 
-/// Lengths tried along a direction before the plain step is taken instead.
+/// Lengths tried along a direction before the last steps are forgotten.
 const TRIALS: usize = 4;
 
 /// The part of the decrease that the slope promises which a step must bring (Armijo 1966).
 const ENOUGH: f64 = 1e-4;
 
-/// A shape and the outcome of its local step.
-#[derive(Debug)]
-pub struct Iterate {
-    /// Displacement of every vertex, in unit coordinates.
-    pub displacements: Vec<Vec3>,
-    /// `C - I` of every owner.
-    pub changes: Vec<Mat3>,
-    /// The energy.
-    pub energy: f64,
-    /// The weighted size of all edges, which rounding of the energy is relative to.
-    pub size: f64,
-}
+/// An energy of points on which one may move along directions of a vector per vertex.
+pub trait Descent {
+    /// A point, with what its energy and gradient need.
+    type Point;
 
-/// Chooses targets again for every shape.
-pub trait Chooser {
-    /// The local step; `last` are the targets of the shape before.
-    fn fit(&self, displacements: Vec<Vec3>, last: &[Mat3]) -> Iterate;
+    /// The energy at a point, and the size of what it was summed from, which its rounding is relative to.
+    fn energy(&self, at: &Self::Point) -> (f64, f64);
 
-    /// Half the gradient of the energy by the displacements, for fixed targets; zero at fixed vertices.
-    fn gradient(&self, fit: &Iterate) -> Vec<Vec3>;
+    /// Half the gradient, and that multiplied by the inverse of the metric.
+    fn gradient(&self, at: &Self::Point) -> [Vec<Vec3>; 2];
+
+    /// The point so far along a direction.
+    fn moved(&self, from: &Self::Point, direction: &[Vec3], length: f64) -> Self::Point;
 }
 
 /// When to stop.
@@ -52,9 +43,9 @@ pub struct Stop {
 
 /// Where it has stopped.
 #[derive(Debug)]
-pub struct Refined {
-    /// The shape.
-    pub fit: Iterate,
+pub struct Refined<P> {
+    /// The point.
+    pub point: P,
     /// Iterations done.
     pub iterations: usize,
     /// Whether the tolerance was reached.
@@ -63,63 +54,62 @@ pub struct Refined {
     pub residual: f64,
 }
 
-impl Stitcher {
-    /// The global step: the shape of least energy for fixed targets.
-    pub fn global_step(&self, chooser: &impl Chooser, fit: &Iterate) -> Vec<Vec3> {
-        moved(&fit.displacements, &self.precondition(&chooser.gradient(fit)), -1.0)
+/// Lowers the energy from a point on. `watch` is told the number of each iteration.
+///
+/// # Errors
+///
+/// Those of `watch`.
+pub fn refine<D: Descent>(
+    problem: &D,
+    mut point: D::Point,
+    stop: Stop,
+    mut watch: impl FnMut(usize) -> Result<()>,
+) -> Result<Refined<D::Point>> {
+    let mut memory = Lbfgs::default();
+    let (mut iterations, mut quiet, mut residual, mut length) = (0, 0, f64::INFINITY, 1.0);
+    // What is out of range is told by whoever sees the result.
+    while iterations < stop.max_iterations && quiet < 2 && problem.energy(&point).0.is_finite() {
+        watch(iterations)?;
+        let [gradient, preconditioned] = problem.gradient(&point);
+        let direction = memory.direction(&gradient, &preconditioned, length);
+        let found = search(problem, &point, &direction, &gradient).or_else(|| {
+            memory = Lbfgs::default();
+            let direction = memory.direction(&gradient, &preconditioned, 0.0);
+            search(problem, &point, &direction, &gradient)
+        });
+        iterations += 1;
+        let before = problem.energy(&point).0;
+        // Where the steepest way down leads nowhere, rounding is all that is left.
+        let Some((next, taken)) = found else {
+            (quiet, residual) = (2, 0.0);
+            break;
+        };
+        (point, length) = (next, taken);
+        let (energy, size) = problem.energy(&point);
+        let gain = before - energy;
+        // One small step may be an accident of the model, two are not.
+        quiet = if gain <= stop.tolerance * energy + NOTHING * size { quiet + 1 } else { 0 };
+        residual = gain / energy;
     }
-
-    /// Lowers the energy of `chooser` from a shape on. `watch` is told the number of each iteration.
-    ///
-    /// # Errors
-    ///
-    /// Those of `watch`.
-    pub fn refine(
-        &self,
-        chooser: &impl Chooser,
-        mut fit: Iterate,
-        stop: Stop,
-        mut watch: impl FnMut(usize) -> Result<()>,
-    ) -> Result<Refined> {
-        let mut memory = Lbfgs::default();
-        let (mut iterations, mut quiet, mut residual, mut length) = (0, 0, f64::INFINITY, 1.0);
-        // Targets out of range are told by whoever sees the result.
-        while iterations < stop.max_iterations && quiet < 2 && fit.energy.is_finite() {
-            watch(iterations)?;
-            let gradient = chooser.gradient(&fit);
-            let preconditioned = self.precondition(&gradient);
-            let direction = memory.direction(&gradient, &preconditioned, length);
-            let slope = 2.0 * dot(&gradient, &direction);
-            let next = match search(chooser, &fit, &direction, slope) {
-                Some((next, found)) => {
-                    length = found;
-                    next
-                }
-                None => {
-                    memory = Lbfgs::default();
-                    chooser.fit(moved(&fit.displacements, &preconditioned, -1.0), &fit.changes)
-                }
-            };
-            iterations += 1;
-            // One small step may be an accident of the model, two are not.
-            let gain = fit.energy - next.energy;
-            let small = gain <= stop.tolerance * next.energy + NOTHING * next.size;
-            quiet = if small { quiet + 1 } else { 0 };
-            residual = gain / next.energy;
-            fit = next;
-        }
-        Ok(Refined { fit, iterations, converged: quiet == 2, residual })
-    }
+    Ok(Refined { point, iterations, converged: quiet == 2, residual })
 }
 
 /// The first of some lengths of a step along `direction` that lowers the energy well enough; each is where
 /// the parabola through what is known has its minimum.
-fn search(chooser: &impl Chooser, from: &Iterate, direction: &[Vec3], slope: f64) -> Option<(Iterate, f64)> {
+fn search<D: Descent>(
+    problem: &D,
+    from: &D::Point,
+    direction: &[Vec3],
+    gradient: &[Vec3],
+) -> Option<(D::Point, f64)> {
+    let slope = 2.0 * dot(gradient, direction);
+    let start = problem.energy(from).0;
     let mut length = 1.0;
     for _ in 0..TRIALS {
-        let next = chooser.fit(moved(&from.displacements, direction, length), &from.changes);
-        let change = next.energy - from.energy;
-        if change <= ENOUGH * length * slope.min(0.0) + NOTHING * next.size {
+        let next = problem.moved(from, direction, length);
+        let (energy, size) = problem.energy(&next);
+        let change = energy - start;
+        if change <= ENOUGH * length * slope.min(0.0) + NOTHING * size {
             return Some((next, length));
         }
         if !change.is_finite() {

@@ -5,12 +5,13 @@ use std::sync::{Arc, OnceLock};
 use super::fans::Fans;
 use super::targets::{HatGradients, Local, Owners, Reference, Weights, corner_weights, edge_weights};
 use super::triangles;
+use super::turns::Turning;
 use super::vectors::moved;
 use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
 use crate::operators::cotangent::corner_laplacian;
 use crate::operators::divergence::divergence;
 use crate::operators::{corner_hat_gradients, hat_gradients_at};
-use crate::{Job, Mat3, Mesh, Result, Vec3};
+use crate::{Job, Mat3, Mesh, Quat, Result, Vec3};
 
 /// The factored stitching system of one mesh and one set of constraints.
 #[derive(Debug)]
@@ -191,6 +192,33 @@ impl Stitcher {
             gradient[v] += (displacements[v] - given[v]) * weight;
         }
         gradient
+    }
+
+    /// `div (R - I)` of rotations that vertices own.
+    pub fn turn_divergence(&self, rotations: &[Quat]) -> Vec<Vec3> {
+        match &self.elements {
+            Elements::Fans(fans) => fans.turn_divergence(rotations, self.owners.per_edge()),
+            Elements::Triangles { .. } => Vec::new(),
+        }
+    }
+
+    /// The energy of rotations that vertices own, and of displacements, with its torques. `rest` holds the covariances
+    /// of the rest pose, `smoothing` is how much `sum_ij w_ij |R_i - R_j|^2` counts, each edge from both ends, and `more`
+    /// adds to the covariance of a vertex and to the size of its displacements.
+    pub fn turning(
+        &self,
+        rest: &[Mat3],
+        rotations: &[Quat],
+        displacements: &[Vec3],
+        smoothing: f64,
+        more: impl Fn(usize) -> (Mat3, f64) + Sync + Send,
+    ) -> Turning {
+        match &self.elements {
+            Elements::Fans(fans) => {
+                fans.turning(rest, rotations, displacements, smoothing, self.owners.per_edge(), more)
+            }
+            Elements::Triangles { .. } => Turning::default(),
+        }
     }
 
     /// The neighbours of a vertex that owns a target, with the weights of the edges to them.

@@ -1,16 +1,15 @@
 //! The volume of closed components, restored.
 //!
 //! ```text
-//!     V(x) = 1/6 sum_t  a . (b x c),        V(x(t)) = (1-t) V(start) + t V(end)
+//!     V(x) = 1/6 sum_t  a . (b x c)
 //! ```
 //!
-//! The correction of least energy in the metric of the stitch that changes the volume is along
-//! `d = L^-1 grad V`; how far, `V(x + l d) = V(x(t))` says, by Newton's steps.
+//! The correction of least energy in the metric of a matrix `K` that changes the volume is along
+//! `d = K^-1 grad V`; how far, `V(x + l d) = V` says, by Newton's steps.
 
 use std::collections::BTreeMap;
 
 use crate::geometry::triangle::normal_and_area;
-use crate::stitch::Stitcher;
 use crate::{Mesh, Vec3};
 
 /// Newton's steps: a cubic polynomial, started near its root.
@@ -22,8 +21,8 @@ const FAN: f64 = 0.1;
 
 /// The components whose volume is kept, with their volume at both ends.
 #[derive(Debug)]
-pub(super) struct Volumes {
-    /// Of each component.
+pub struct Volumes {
+    /// Whether each component has a volume.
     closed: Vec<bool>,
     borders: Vec<Border>,
     ends: [Vec<f64>; 2],
@@ -38,6 +37,7 @@ struct Border {
 }
 
 impl Volumes {
+    /// The volumes of a mesh with its vertices at `a`, and at `b`.
     pub fn of(mesh: &Mesh, a: &[Vec3], b: &[Vec3]) -> Self {
         let count = mesh.components().count();
         let mut closed = vec![true; count];
@@ -79,12 +79,24 @@ impl Volumes {
         self.closed.iter().enumerate().filter(|(_, closed)| !**closed).map(|(c, _)| c)
     }
 
-    /// Moves `y`, the distance from the straight `line`, so that the volumes are those of time `t`.
-    pub fn restore(&self, stitcher: &Stitcher, line: &[Vec3], y: &mut [Vec3], t: f64) {
-        let mesh = &**stitcher.mesh();
+    /// The volume of each component at time `t`, from that at both ends.
+    pub fn at(&self, t: f64) -> Vec<f64> {
+        self.ends[0].iter().zip(&self.ends[1]).map(|(a, b)| a * (1.0 - t) + b * t).collect()
+    }
+
+    /// Moves `y`, the distance from `line`, so that the components have the `wanted` volumes. `precondition` multiplies
+    /// a gradient by `K^-1`.
+    pub fn restore(
+        &self,
+        mesh: &Mesh,
+        line: &[Vec3],
+        y: &mut [Vec3],
+        wanted: &[f64],
+        precondition: impl Fn(&[Vec3]) -> Vec<Vec3>,
+    ) {
         let at = |y: &[Vec3]| -> Vec<Vec3> { line.iter().zip(y).map(|(&l, &y)| l + y).collect() };
         let mut x = at(y);
-        let towards = stitcher.precondition(&self.gradient(mesh, &x));
+        let towards = precondition(&self.gradient(mesh, &x));
         for _ in 0..STEPS {
             let (volumes, slopes) = (self.volumes(mesh, &x), self.gradient(mesh, &x));
             let mut slope = vec![0.0; volumes.len()];
@@ -95,8 +107,7 @@ impl Volumes {
             }
             let step: Vec<f64> = (0..volumes.len())
                 .map(|c| {
-                    let missing = self.ends[0][c] * (1.0 - t) + self.ends[1][c] * t - volumes[c];
-                    let step = missing / slope[c];
+                    let step = (wanted[c] - volumes[c]) / slope[c];
                     if self.closed[c] && step.is_finite() { step } else { 0.0 }
                 })
                 .collect();
@@ -108,9 +119,7 @@ impl Volumes {
             x = at(y);
         }
     }
-}
 
-impl Volumes {
     /// The volume of each component about its own first vertex.
     fn volumes(&self, mesh: &Mesh, x: &[Vec3]) -> Vec<f64> {
         let mut volumes = vec![0.0; mesh.components().count()];
