@@ -1,4 +1,4 @@
-"""Job 3: the same expressions to Suzanne, linked by the marker pairs in suzanne_markers.json."""
+"""Job 3: the same expressions to Suzanne, linked by the marker pairs and the rims of her lids in suzanne_markers.json."""
 
 import time
 from pathlib import Path
@@ -24,7 +24,7 @@ EYE_CENTRE, IRIS_RADIUS = (0.353, 0.243), 0.13  # seen from the front, (x, z)
 # Pressed tightly onto a face of such other proportions the human one would fold. Her lids are to close over
 # her eyes, which stay as they are and match nothing: ICT's keys do not turn eyeballs.
 EYES = "Eyes"
-FIT = {"marker_tolerance": 0.0, "target_mask": EYES}  # of quite other proportions: markers alone know
+FIT = {"target_mask": EYES}
 KEYS = {"contact": True, "unmatched": "rest"}
 
 ABOVE = 20.0  # degrees: where eyes are looked at from, besides from the front

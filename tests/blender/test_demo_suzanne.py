@@ -28,7 +28,7 @@ def demo(monkeypatch):
         sys.modules.pop(name, None)
 
 
-def test_her_blink_closes_by_25_markers_at_most(demo):
+def test_her_blink_closes_by_25_markers_at_most_and_the_rims_of_her_lids(demo):
     face, scene, source, suzanne = demo
     human, into = face.load(), scene.collection("Suzanne")
     assert len(human.expressions) == 53
@@ -41,10 +41,10 @@ def test_her_blink_closes_by_25_markers_at_most(demo):
     suzanne.transfer(skin, head, eyes, blinks)
     assert len(suzanne.markers.load(str(suzanne.MARKERS)).pairs) <= 25
     assert suzanne.visible(head, eyes) > 0.4
-    # Measured 0.12; a fit that held the source's shape less left 0.03, and folded ten times as much.
+    # Measured 0.03; by the markers alone, without the curves of the lids, 0.09.
     for key in blinks:
-        assert suzanne.visible(head, eyes, key) < 0.14
-        assert suzanne.visible(head, eyes, key, suzanne.ABOVE) < 0.14
+        assert suzanne.visible(head, eyes, key) < 0.05
+        assert suzanne.visible(head, eyes, key, suzanne.ABOVE) < 0.05
     rows = bpy.context.scene.lissom_transfer.quality
     assert all(row.contacts > 50 and row.contact_gap < 1.0 and row.flipped_triangles < 50 for row in rows)
     assert eyes.data.shape_keys is None

@@ -94,16 +94,15 @@ impl Surface {
     }
 
     /// The triangle with the nearest centroid among those that face the way of `normal` and are
-    /// accepted.
+    /// accepted, within `reach`.
     pub fn closest_compatible_centroid(
         &self,
         point: Vec3,
         normal: Vec3,
+        reach: f64,
         accept: impl Fn(usize) -> bool,
     ) -> Option<Hit> {
-        self.nearest(point, f64::INFINITY, |t| {
-            (accept(t) && self.compatible(t, normal)).then(|| self.centroid(t))
-        })
+        self.nearest(point, reach, |t| (accept(t) && self.compatible(t, normal)).then(|| self.centroid(t)))
     }
 
     fn compatible(&self, triangle: usize, normal: Vec3) -> bool {
@@ -164,12 +163,12 @@ mod tests {
     #[test]
     fn centroids_are_centroids_and_reach_is_to_the_surface() {
         let point = Vec3::new(2.0 / 3.0, 1.0 / 3.0, 0.3);
-        let hit = sheet().closest_compatible_centroid(point, Vec3::Z, |_| true).unwrap();
+        let hit = sheet().closest_compatible_centroid(point, Vec3::Z, f64::INFINITY, |_| true).unwrap();
         assert_eq!(hit.triangle, 0);
         assert!((hit.distance - 0.2).abs() < 1e-12);
         let within = |reach| sheet().closest_compatible_point_on(point, Vec3::Z, reach, |_| true).is_some();
         assert!(within(0.21) && !within(0.19));
-        let other = sheet().closest_compatible_centroid(point, Vec3::Z, |t| t != 0).unwrap();
+        let other = sheet().closest_compatible_centroid(point, Vec3::Z, f64::INFINITY, |t| t != 0).unwrap();
         assert_eq!(other.triangle, 1);
     }
 }

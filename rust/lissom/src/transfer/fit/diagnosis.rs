@@ -238,10 +238,9 @@ fn flipped(source: &Placed, target: &Surface, reach: f64) -> Vec<usize> {
         if target.normals()[nearest.triangle].dot(normal) > 0.0 {
             return None;
         }
-        let compatible = target.closest_compatible_point(centroid, normal);
-        compatible
-            .is_none_or(|hit| hit.distance > nearest.distance + FLIPPED)
-            .then_some((t, nearest.distance))
+        let reach = nearest.distance + FLIPPED;
+        let compatible = target.closest_compatible_point_on(centroid, normal, reach, |_| true);
+        compatible.is_none().then_some((t, nearest.distance))
     };
     let found: Vec<(usize, f64)> = (0..fitted.normals().len()).into_par_iter().filter_map(against).collect();
     if found.is_empty() {

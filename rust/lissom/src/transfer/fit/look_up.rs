@@ -24,6 +24,9 @@ const ACROSS: f64 = 0.02;
 /// Distances that make no difference between what is nearer, in unit coordinates.
 const NEAR: f64 = 0.002;
 
+/// Vertices of a component that are asked where it lies; all know much the same.
+const ASKED: usize = 2000;
+
 /// Where the pulls come from.
 pub struct LookUp<'a> {
     source: &'a Side<'a>,
@@ -49,22 +52,40 @@ impl<'a> LookUp<'a> {
     pub fn find_partners(&mut self, x: &[Vec3], job: &Job) -> Result<f64> {
         let components = self.source.mesh.components();
         let normals = vertex_normals(self.source.mesh.triangles(), x);
-        let found = job.in_batches(x.len(), |v| {
-            let open = components.of_vertex(v).filter(|_| !self.source.masked_vertex[v])?;
-            Some((v, open, self.target.closest(x[v], normals[v], f64::INFINITY, None, 0.0)?))
+        let open = |v: &u32| !self.source.masked_vertex[*v as usize];
+        let members: Vec<Vec<u32>> =
+            components.members().iter().map(|m| m.iter().copied().filter(open).collect()).collect();
+        let every = |m: &Vec<u32>| m.len().div_ceil(ASKED).max(1);
+        let asked: Vec<(usize, usize, usize)> = members
+            .iter()
+            .enumerate()
+            .flat_map(|(c, m)| m.iter().step_by(every(m)).map(move |&v| (v as usize, c, every(m))))
+            .collect();
+        let found = job.in_batches(asked.len(), |i| {
+            let (v, component, stands_for) = asked[i];
+            let hit = self.target.closest(x[v], normals[v], f64::INFINITY, None, 0.0)?;
+            Some((v, component, stands_for, hit))
         })?;
         let counts = [components.count(), self.target.side.mesh.components().count()];
         if counts != [1, 1] {
             let mass = lumped_mass(self.source.mesh);
             let mut overlap = Overlap::new(counts);
-            for (v, component, hit) in found.iter().flatten() {
-                overlap.add(*component as u32, self.target.side.component[hit.triangle], mass[*v]);
+            for (v, component, stands_for, hit) in found.iter().flatten() {
+                let mass = mass[*v] * *stands_for as f64;
+                overlap.add(*component as u32, self.target.side.component[hit.triangle], mass);
             }
             self.partners = overlap.partners();
         }
-        let mut distances: Vec<f64> = found.iter().flatten().map(|(_, _, hit)| hit.distance).collect();
-        distances.sort_unstable_by(f64::total_cmp);
-        Ok(distances.get(distances.len() / 4).copied().unwrap_or(0.0))
+        let mut distances: Vec<(f64, usize)> =
+            found.iter().flatten().map(|(_, _, stands_for, hit)| (hit.distance, *stands_for)).collect();
+        distances.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let quarter = distances.iter().map(|(_, stands_for)| stands_for).sum::<usize>() / 4;
+        let mut passed = 0;
+        let lower = distances.iter().find(|(_, stands_for)| {
+            passed += stands_for;
+            passed > quarter
+        });
+        Ok(lower.map_or(0.0, |(distance, _)| *distance))
     }
 
     /// The pulls of the source's vertices, by at most `weight` and within `reach`.

@@ -16,8 +16,15 @@ type Matches = Vec<Option<u32>>;
 
 impl Placed<'_> {
     /// The match of every triangle in `other`; in the partner of its component where that is within
-    /// reach.
-    fn nearest(&self, other: &Placed, partner: &[Option<u32>], reach: f64, job: &Job) -> Result<Matches> {
+    /// reach. Those of `before` that lie there already stay.
+    fn nearest(
+        &self,
+        other: &Placed,
+        partner: &[Option<u32>],
+        before: Option<&Matches>,
+        reach: f64,
+        job: &Job,
+    ) -> Result<Matches> {
         job.in_batches(self.side.component.len(), |t| {
             if self.side.masked[t] {
                 return None;
@@ -25,10 +32,17 @@ impl Placed<'_> {
             let (at, normal) = (self.surface.centroid(t), self.surface.normals()[t]);
             // Reach is measured to the surface: centroids of large triangles are far from anything.
             let look = |accept: &(dyn Fn(usize) -> bool + Sync)| {
-                other.surface.closest_compatible_point_on(at, normal, reach, accept)?;
-                other.surface.closest_compatible_centroid(at, normal, accept)
+                let hit = other.surface.closest_compatible_point_on(at, normal, reach, accept)?;
+                let within = other.surface.centroid(hit.triangle).distance(at) * (1.0 + f64::EPSILON);
+                other.surface.closest_compatible_centroid(at, normal, within, accept).or(Some(hit))
             };
             let partner = partner[self.side.component[t] as usize];
+            if let Some(before) = before {
+                let is_of = |s: &u32| partner.is_none_or(|p| p == other.side.component[*s as usize]);
+                if before[t].as_ref().is_none_or(is_of) {
+                    return before[t];
+                }
+            }
             let hit = partner
                 .and_then(|partner| look(&|s| other.side.component[s] == partner && !other.side.masked[s]))
                 .or_else(|| look(&|s| !other.side.masked[s]));
@@ -51,8 +65,8 @@ pub fn match_triangles(
 ) -> Result<(Vec<[u32; 2]>, ComponentPairs)> {
     let counts = [source, target].map(|side| side.side.mesh.components().count());
     let mut partners = ComponentPairs::none(counts);
-    let mut of_source = source.nearest(target, &partners.of_source, reach, job)?;
-    let mut of_target = target.nearest(source, &partners.of_target, reach, job)?;
+    let mut of_source = source.nearest(target, &partners.of_source, None, reach, job)?;
+    let mut of_target = target.nearest(source, &partners.of_target, None, reach, job)?;
     if counts != [1, 1] {
         let mut overlap = Overlap::new(counts);
         for (s, t) in of_source.iter().enumerate().filter_map(|(s, t)| t.map(|t| (s, t as usize))) {
@@ -62,8 +76,8 @@ pub fn match_triangles(
             overlap.add(source.side.component[s], target.side.component[t], target.side.mesh.areas()[t]);
         }
         partners = overlap.partners();
-        of_source = source.nearest(target, &partners.of_source, reach, job)?;
-        of_target = target.nearest(source, &partners.of_target, reach, job)?;
+        of_source = source.nearest(target, &partners.of_source, Some(&of_source), reach, job)?;
+        of_target = target.nearest(source, &partners.of_target, Some(&of_target), reach, job)?;
     }
     let forth = (0u32..).zip(&of_source).filter_map(|(s, t)| t.map(|t| [s, t]));
     let back = (0u32..).zip(&of_target).filter_map(|(t, s)| s.map(|s| [s, t]));
