@@ -22,7 +22,7 @@ _due = set()  # names of mesh objects to solve
 _paused = False
 _delay = 0.0  # seconds until the next solve: half of what the last one took, to leave time for drawing
 MAX_DELAY = 0.25
-BUDGET = 0.05  # seconds that an iterative method may take in one go while the artist watches
+BUDGET = 1 / 60  # seconds that an iterative method may take in one go while the artist watches
 
 
 def mark(obj):
@@ -44,7 +44,7 @@ def update(obj, seconds=None):
         if not bound.is_due(motion):
             return False
         poses.preview(obj)
-        options = {"max_iterations": bound.iterations_within(seconds)} if seconds else {}
+        options = {"max_iterations": bound.iterations_within(seconds, motion)} if seconds else {}
         vertices, _ = bound.solve(motion, **options)
         poses.show(obj, vertices)
     except (Refused, lissom.Error) as error:

@@ -112,7 +112,11 @@ class BoundPose:
 
     def is_due(self, motion):
         """True where a solve would change what is shown: a handle moved, or the last solve stopped early."""
-        if self._motion is None or not self._converged or self._jumps(motion):
+        return not self._converged or self._moved(motion)
+
+    def _moved(self, motion):
+        """True where the handles are not where the last solve left them."""
+        if self._motion is None or self._jumps(motion):
             return True
         change = np.abs(motion.transforms - self._motion.transforms)
         return change[:, :3, :3].max() > STILL or change[:, :3, 3].max() > STILL * self.extent
@@ -155,9 +159,11 @@ class BoundPose:
         self._warm = True
         return result.vertices, result.report
 
-    def iterations_within(self, seconds):
-        """About how many iterations fit into ``seconds``, judged by the last solve, but never too few."""
-        return max(FEWEST_ITERATIONS, int(seconds / self._seconds) if self._seconds else 0)
+    def iterations_within(self, seconds, motion):
+        """About how many iterations fit into ``seconds``, judged by the last solve: at rest never too few to
+        converge, while the handles move at least one."""
+        fewest = 1 if self._moved(motion) else FEWEST_ITERATIONS
+        return max(fewest, int(seconds / self._seconds) if self._seconds else 0)
 
     @property
     def converged(self):

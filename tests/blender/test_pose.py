@@ -361,8 +361,10 @@ def test_a_solve_within_a_budget_goes_on_until_it_has_converged():
     bpy.ops.lissom.pose_update(object=obj.name)
     assert_allclose(scene.key_points(obj, PREVIEW), stepwise, atol=5e-3)
     bound = session.poses[obj.session_uid]
-    assert bound.iterations_within(1e-9) == 4
-    assert bound.iterations_within(10.0) > 10
+    here = bound._motion
+    there = here._replace(transforms=here.transforms + 0.1)
+    assert [bound.iterations_within(1e-9, motion) for motion in (here, there)] == [4, 1]
+    assert bound.iterations_within(10.0, there) > 10
 
 
 def test_apply_keeps_what_is_seen_as_a_key_and_puts_the_handles_back():

@@ -20,9 +20,10 @@
 //! moved vertex pulls without a spike. They leave the unit of length open; the factor [`BENDING`] times the region's
 //! area makes `l` mean the same for every mesh.
 //!
-//! The metric of the descent is the rotations' own part of the second derivative about the rest pose:
-//! `tr(S_i) I - S_i` of each cell's covariance `S_i` or, with `rotation_smoothing`, the mean `2/3 tr S_i` of its
-//! eigenvalues and `4 a area L`. With that the number of iterations does not grow with the mesh.
+//! The metric of the descent is the rotations' own part of the second derivative. Without `rotation_smoothing` every
+//! rotation is in it by itself, and the step to the one that fits best is known exactly: the local step as published.
+//! With it the metric is that about the rest pose, the mean `2/3 tr S_i` of the eigenvalues of `tr(S_i) I - S_i` of each
+//! cell's covariance `S_i`, and `4 a area L`; then the number of iterations does not grow with the mesh.
 
 use std::f64::consts::PI;
 
@@ -91,17 +92,10 @@ pub struct Arap {
     /// `a` times the region's area, against weights times `1 - l`, over the number of cells of an edge.
     rotation_smoothing: f64,
     smoothness: Option<Smoothness>,
-    metric: Metric,
+    /// Of the descent, where rotations are smoothed.
+    metric: Option<ConstrainedSystem>,
     /// The rotations of the last pose.
     previous: Option<Vec<Quat>>,
-}
-
-/// What gradients by the rotations are divided by.
-#[derive(Debug)]
-enum Metric {
-    /// The inverse of every block.
-    Blocks(Vec<Mat3>),
-    Smoothing(ConstrainedSystem),
 }
 
 /// The Laplacian's rows, how much each counts, and what they make of the rest pose.
@@ -126,6 +120,8 @@ struct Turned {
     displacements: Vec<Vec3>,
     /// Half the gradient by the rotations.
     torques: Vec<Vec3>,
+    /// How far each is from the one that fits best, where they are not smoothed.
+    misfits: Vec<Vec3>,
     energy: f64,
     size: f64,
 }
@@ -169,7 +165,9 @@ impl Arap {
         }
         let area: f64 = mesh.areas().iter().sum();
         let rotation_smoothing = options.rotation_smoothing * area / (share * owners.per_edge());
-        let metric = Metric::of(&stitcher, &rest, rotation_smoothing, job)?;
+        let metric = (rotation_smoothing > 0.0)
+            .then(|| metric(&stitcher, &rest, rotation_smoothing, job))
+            .transpose()?;
         Ok(Self { stitcher, rest, rotation_smoothing, smoothness, metric, previous: None })
     }
 
@@ -191,40 +189,23 @@ impl Arap {
             region.mesh().rest().iter().zip(&goal.displacements).map(|(&v, &d)| v + d).collect();
         let covariances = self.stitcher.covariances(Reference::Rest, &x);
         let rest = posing.stitched(quaternions(covariances.into_iter().map(nearest_rotation).collect()));
-        if extended.energy <= CLEARLY * rest.energy { extended } else { rest }
+        let start = if extended.energy <= CLEARLY * rest.energy { extended } else { rest };
+        // So long a step would teach the descent a wrong curvature.
+        if self.metric.is_none() { posing.moved(&start, &start.misfits, 1.0) } else { start }
     }
 }
 
-impl Metric {
-    fn of(stitcher: &Stitcher, rest: &[Mat3], smoothing: f64, job: &Job) -> Result<Self> {
-        let mean = rest.iter().map(|s| trace(*s)).sum::<f64>() / rest.len() as f64;
-        let least = (LEAST_MASS * mean).max(f64::MIN_POSITIVE);
-        if smoothing == 0.0 {
-            let block = |s: &Mat3| (Mat3::IDENTITY * (trace(*s) + least) - *s).inverse();
-            return Ok(Self::Blocks(rest.iter().map(block).collect()));
-        }
-        let masses: Vec<f64> = rest.iter().map(|s| 2.0 / 3.0 * trace(*s) + least).collect();
-        let edges = |i: usize| {
-            let beyond = stitcher.neighbours(i).filter(move |(j, _)| i < *j);
-            beyond.map(move |(j, w)| (i as u32, j as u32, 4.0 * smoothing * w.max(0.0)))
-        };
-        let mut matrix = SymmetricMatrix::laplacian(masses.len(), (0..masses.len()).flat_map(edges));
-        masses.iter().enumerate().for_each(|(i, &mass)| matrix.add_to_diagonal(i, mass));
-        let free = Constraints::hard(masses.len(), |_| false);
-        Ok(Self::Smoothing(ConstrainedSystem::new(&matrix, free, job)?))
-    }
-
-    fn divide(&self, gradient: &[Vec3]) -> Vec<Vec3> {
-        match self {
-            Self::Blocks(inverse) => gradient.iter().zip(inverse).map(|(&g, inverse)| *inverse * g).collect(),
-            Self::Smoothing(system) => {
-                let mut divided = [vec![Vec3::ZERO; gradient.len()]];
-                system.solve(&[gradient], &mut divided);
-                let [divided] = divided;
-                divided
-            }
-        }
-    }
+/// What gradients by smoothed rotations are divided by.
+fn metric(stitcher: &Stitcher, rest: &[Mat3], smoothing: f64, job: &Job) -> Result<ConstrainedSystem> {
+    let mean = rest.iter().map(|s| trace(*s)).sum::<f64>() / rest.len() as f64;
+    let least = (LEAST_MASS * mean).max(f64::MIN_POSITIVE);
+    let edges = |i: usize| {
+        let beyond = stitcher.neighbours(i).filter(move |(j, _)| i < *j);
+        beyond.map(move |(j, w)| (i as u32, j as u32, 4.0 * smoothing * w.max(0.0)))
+    };
+    let mut matrix = SymmetricMatrix::laplacian(rest.len(), (0..rest.len()).flat_map(edges));
+    rest.iter().enumerate().for_each(|(i, s)| matrix.add_to_diagonal(i, 2.0 / 3.0 * trace(*s) + least));
+    ConstrainedSystem::new(&matrix, Constraints::hard(rest.len(), |_| false), job)
 }
 
 impl Posing<'_> {
@@ -245,7 +226,7 @@ impl Posing<'_> {
         };
         let pulls: f64 = stitcher.system().constraints().soft().iter().map(missed).sum();
         let (energy, size) = (turning.energy + pulls, turning.size + pulls);
-        Turned { rotations, displacements, torques: turning.torques, energy, size }
+        Turned { rotations, displacements, torques: turning.torques, misfits: turning.misfits, energy, size }
     }
 }
 
@@ -257,7 +238,16 @@ impl Descent for Posing<'_> {
     }
 
     fn gradient(&self, at: &Turned) -> [Vec<Vec3>; 2] {
-        [at.torques.clone(), self.arap.metric.divide(&at.torques)]
+        let divided = match &self.arap.metric {
+            None => at.misfits.iter().map(|&misfit| -misfit).collect(),
+            Some(metric) => {
+                let mut divided = [vec![Vec3::ZERO; at.torques.len()]];
+                metric.solve(&[&at.torques], &mut divided);
+                let [divided] = divided;
+                divided
+            }
+        };
+        [at.torques.clone(), divided]
     }
 
     fn moved(&self, from: &Turned, direction: &[Vec3], length: f64) -> Turned {
@@ -267,11 +257,7 @@ impl Descent for Posing<'_> {
 
 impl Method for Arap {
     fn systems(&self) -> Vec<&ConstrainedSystem> {
-        let of_rotations = match &self.metric {
-            Metric::Blocks(_) => None,
-            Metric::Smoothing(system) => Some(system),
-        };
-        std::iter::once(self.stitcher.system()).chain(of_rotations).collect()
+        std::iter::once(self.stitcher.system()).chain(&self.metric).collect()
     }
 
     fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution> {

@@ -21,6 +21,8 @@ pub(super) const GRAIN: usize = 1024;
 #[derive(Debug)]
 pub(super) struct Fans {
     spokes: Rows<Spoke>,
+    /// Of each neighbour, `m_ji`: what its cell makes of the position of `i`.
+    pulls: Rows<(u32, Vec3)>,
     /// `sum_j m_ij`.
     total: Vec<Vec3>,
     /// Half the weighted size of the edges at each vertex, at rest.
@@ -34,8 +36,6 @@ pub(super) struct Spoke {
     pub weight: f64,
     /// `m_ij`: what the cell of `i` makes of the neighbour's position.
     pub own: Vec3,
-    /// `m_ji`: what the neighbour's cell makes of the position of `i`.
-    pub neighbours: Vec3,
 }
 
 impl Fans {
@@ -83,15 +83,23 @@ impl Fans {
             total[b as usize] += at_a;
         }
         let spokes = ends.iter().zip(&edges).flat_map(|(&[a, b], &(weight, [at_a, at_b]))| {
-            let spoke = |neighbour, own, neighbours| Spoke { neighbour, weight, own, neighbours };
-            [(a, spoke(b, at_b, at_a)), (b, spoke(a, at_a, at_b))]
+            let spoke = |neighbour, own| Spoke { neighbour, weight, own };
+            [(a, spoke(b, at_b)), (b, spoke(a, at_a))]
         });
-        Self { spokes: Rows::sort(total.len(), spokes), total, sizes }
+        let pulls = (ends.iter().zip(&edges))
+            .flat_map(|(&[a, b], &(_, [at_a, at_b]))| [(a, (b, at_a)), (b, (a, at_b))]);
+        let n = total.len();
+        Self { spokes: Rows::sort(n, spokes), pulls: Rows::sort(n, pulls), total, sizes }
     }
 
     /// The edges at a vertex.
     pub fn at(&self, vertex: usize) -> &[Spoke] {
         self.spokes.of(vertex)
+    }
+
+    /// What the cells of its neighbours make of the position of a vertex.
+    pub fn pulls_at(&self, vertex: usize) -> &[(u32, Vec3)] {
+        self.pulls.of(vertex)
     }
 
     /// Every edge once, with its weight.
@@ -113,8 +121,7 @@ impl Fans {
     pub fn divergence(&self, changes: &[Mat3], per_edge: f64) -> Vec<Vec3> {
         self.map(|i| {
             let own = -(changes[i] * self.total[i]);
-            let all =
-                self.at(i).iter().fold(own, |sum, s| sum + changes[s.neighbour as usize] * s.neighbours);
+            let all = self.pulls_at(i).iter().fold(own, |sum, &(j, pull)| sum + changes[j as usize] * pull);
             all * (1.0 / per_edge)
         })
     }
@@ -131,10 +138,9 @@ impl Fans {
                 return Vec3::ZERO;
             }
             let (mut stretch, mut sum) = (Vec3::ZERO, -(changes[i] * self.total[i]));
-            for spoke in self.at(i) {
-                let j = spoke.neighbour as usize;
-                stretch += (displacements[i] - displacements[j]) * spoke.weight;
-                sum += changes[j] * spoke.neighbours;
+            for (spoke, &(j, pull)) in self.at(i).iter().zip(self.pulls_at(i)) {
+                stretch += (displacements[i] - displacements[j as usize]) * spoke.weight;
+                sum += changes[j as usize] * pull;
             }
             stretch - sum * (1.0 / per_edge)
         })

@@ -14,13 +14,19 @@ use rayon::prelude::*;
 
 use super::fans::{Fans, GRAIN};
 use crate::matrix::{dot, outer};
+use crate::rotation::nearest_rotation;
 use crate::{Mat3, Quat, Vec3};
+
+/// Smallest cosine of half the turn to the best rotation: its Cayley transform is infinite for half a turn.
+const LEAST_COSINE: f64 = 0.1;
 
 /// The energy of rotations and shape, and its gradient.
 #[derive(Debug, Default)]
 pub struct Turning {
     /// Half the gradient by the rotation of each vertex, in the frame that it turns.
     pub torques: Vec<Vec3>,
+    /// How far to turn each, as [`turned`] does, to the rotation that fits its cell best; zero where they are smoothed.
+    pub misfits: Vec<Vec3>,
     /// The energy, over the number of cells that an edge is in.
     pub energy: f64,
     /// The size of what it was summed from, which its rounding is relative to.
@@ -48,9 +54,8 @@ impl Fans {
     pub fn turn_divergence(&self, rotations: &[Quat], per_edge: f64) -> Vec<Vec3> {
         self.map(|i| {
             let own = -turned_less(rotations[i], self.total(i));
-            let spokes = self.at(i).iter();
-            let all =
-                spokes.fold(own, |sum, s| sum + turned_less(rotations[s.neighbour as usize], s.neighbours));
+            let pulls = self.pulls_at(i).iter();
+            let all = pulls.fold(own, |sum, &(j, pull)| sum + turned_less(rotations[j as usize], pull));
             all * (1.0 / per_edge)
         })
     }
@@ -91,16 +96,24 @@ impl Fans {
             let change = r - Mat3::IDENTITY;
             let turned = r.transpose() * covariance + change.transpose() * rest;
             let torque = -axial(turned) - pull * (8.0 * smoothing);
+            let misfit = if smoothing > 0.0 { Vec3::ZERO } else { cayley(nearest_rotation(turned + rest)) };
             // Each edge is seen from both its ends.
             let size = 0.5 * stretch + larger + dot(change * rest, change);
-            (torque, (size - 2.0 * dot(change, covariance) + 8.0 * smoothing * apart, size))
+            ((torque, misfit), (size - 2.0 * dot(change, covariance) + 8.0 * smoothing * apart, size))
         };
         let vertices = (0..rotations.len()).into_par_iter().with_min_len(GRAIN);
-        let (torques, parts): (Vec<Vec3>, Vec<(f64, f64)>) = vertices.map(at).unzip();
+        let ((torques, misfits), parts): ((Vec<_>, Vec<_>), Vec<(f64, f64)>) = vertices.map(at).unzip();
         // Summed in order, not by the threads, so that results repeat to the last bit.
         let (energy, size) = parts.iter().fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
-        Turning { torques, energy, size }
+        Turning { torques, misfits, energy, size }
     }
+}
+
+/// The vector of which a rotation is the Cayley transform.
+fn cayley(rotation: Mat3) -> Vec3 {
+    let q = Quat::from_mat3(&rotation);
+    let q = if q.w < 0.0 { -q } else { q };
+    Vec3::new(q.x, q.y, q.z) * (2.0 / q.w.max(LEAST_COSINE))
 }
 
 /// The vector `a` with `a . o = o^ : m` for every `o`, where `o^` is the matrix of the cross product by `o`.
