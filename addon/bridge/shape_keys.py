@@ -124,10 +124,12 @@ def write_points(key, vertices):
 
 
 def remove(obj, name):
-    """Removes a key with what animates it; the reference key goes with the last other one."""
+    """Removes a key with what animates it; the choice in the list stays, or goes to the key before."""
     key = find(obj, name)
+    place, chosen = key.id_data.key_blocks.find(name), obj.active_shape_key_index
     animation.remove(key.id_data, key.path_from_id("value"))
-    obj.shape_key_remove(key)
+    obj.shape_key_remove(key)  # chooses the first of the list
+    obj.active_shape_key_index = max(0, chosen - (place <= chosen))
 
 
 def is_driven(key):

@@ -19,8 +19,9 @@ def check_name(obj, slider):
 
 
 def add(obj, slider, description, value=0.0):
-    """Makes the custom property, 0 to 1."""
+    """Makes the custom property, 0 to 1, which a library override of the object may set."""
     obj[slider] = value
+    obj.property_overridable_library_set(data_path(slider), True)
     obj.id_properties_ui(slider).update(
         min=0.0, max=1.0, soft_min=0.0, soft_max=1.0, default=0.0, description=description
     )

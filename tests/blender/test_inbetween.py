@@ -211,6 +211,44 @@ def drive(key, obj, slider):
     variable.targets[0].data_path = f'["{slider}"]'
 
 
+@pytest.mark.parametrize("chosen", ["Basis", "half", "full", "full arc 50%", "late"])
+def test_the_chosen_key_stays_chosen(chosen):
+    obj = keyed_tube()
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=3)
+    scene.add_key(obj, "late", scene.key_points(obj, "half"))
+    obj.active_shape_key_index = obj.data.shape_keys.key_blocks.find(chosen)
+    bpy.ops.lissom.inbetween_remove(object="Tube", slider="full arc")
+    assert obj.active_shape_key.name == ("full" if chosen.startswith("full") else chosen)
+
+
+def test_an_override_of_a_linked_character_keeps_its_slider(tmp_path):
+    obj = keyed_tube()
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=2, slider="old")
+    bpy.ops.lissom.inbetween_rename(object="Tube", slider="old", name='"bend"')
+    character = bpy.data.collections.new("Character")
+    bpy.context.scene.collection.children.link(character)
+    character.objects.link(obj)
+    bpy.context.scene.collection.objects.unlink(obj)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "character.blend"))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(str(tmp_path / "character.blend"), link=True) as (_, wanted):
+        wanted.collections = ["Character"]
+    instance = bpy.data.objects.new("instance", None)
+    instance.instance_type, instance.instance_collection = "COLLECTION", wanted.collections[0]
+    bpy.context.scene.collection.objects.link(instance)
+    wanted.collections[0].override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
+    slide(_overridden(), '"bend"', 0.7)
+    posed = scene.shown(_overridden())
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
+    assert _overridden()['"bend"'] == pytest.approx(0.7)
+    assert_allclose(scene.shown(_overridden()), posed, atol=1e-6)
+
+
+def _overridden():
+    return next(obj for obj in bpy.data.objects if obj.override_library and obj.type == "MESH")
+
+
 def test_keys_that_the_artist_drives_by_the_slider_stay():
     obj = keyed_tube()
     keys = obj.data.shape_keys.key_blocks

@@ -418,6 +418,19 @@ def test_reset_and_unbind_leave_the_mesh_as_it_was():
     bpy.ops.lissom.pose_bind(object=obj.name)
 
 
+@pytest.mark.parametrize("chosen", [0, 1, 2])
+def test_bind_and_unbind_leave_the_chosen_key_chosen(chosen):
+    obj = scene.tube(rings=12, around=8)
+    for number in range(2):
+        scene.add_key(obj, f"key {number}", scene.points(obj.data.vertices))
+    obj.active_shape_key_index = chosen
+    scene.group(obj, "top", lambda co: co.z > 2.5)
+    bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="top")
+    bpy.ops.lissom.pose_bind(object=obj.name)
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    assert obj.active_shape_key_index == chosen
+
+
 def test_unbind_keeps_applied_poses_and_other_keys():
     obj = scene.tube()
     scene.add_key(obj, "Other", scene.points(obj.data.vertices))
