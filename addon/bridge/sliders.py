@@ -4,6 +4,8 @@ import bpy
 
 from ..core.refused import Refused
 
+STRETCH = 1000  # of the time axis of a driver's curve
+
 
 def data_path(slider):
     """The path of the custom property from its object."""
@@ -30,8 +32,9 @@ def add(obj, slider, description, value=0.0):
 def drive(block, path, obj, slider, corners):
     """Drives a property by the slider, along a curve through corners (core.easing.Corner).
 
-    A curve and one variable: no expression, so it plays where Python drivers are not allowed to run, and
-    the artist can bend it in the Drivers editor.
+    A curve that the artist can bend in the Drivers editor, of a product that Blender evaluates without
+    Python: it plays where scripts are not allowed to run. Blender takes points of a curve that are closer
+    than about 0.01 for one, so the curve lies over the slider in thousandths.
     """
     block.driver_remove(path)
     curve = block.driver_add(path)
@@ -42,13 +45,14 @@ def drive(block, path, obj, slider, corners):
     for point, corner in zip(curve.keyframe_points, corners, strict=True):
         point.interpolation = "BEZIER"
         point.handle_left_type = point.handle_right_type = "FREE"
-        point.co, point.handle_left, point.handle_right = corner
+        point.co, point.handle_left, point.handle_right = ((STRETCH * t, value) for t, value in corner)
     curve.extrapolation = "CONSTANT"
     curve.update()
     driver = curve.driver
-    driver.type = "SUM"
+    driver.type = "SCRIPTED"
     variable = driver.variables.new()
     variable.name = "slider"
+    driver.expression = f"{STRETCH} * slider"
     variable.targets[0].id = obj
     variable.targets[0].data_path = data_path(slider)
 

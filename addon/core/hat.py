@@ -8,10 +8,19 @@ import numpy as np
 
 from .easing import bezier
 
+NEAREST = 1e-4  # what Blender's curves and the names of keys can tell apart, several times over
+
 
 def uniform_knots(count):
     """Knots of ``count`` in-betweens and both ends, (count + 2,): 0, 1/(count+1), ..., 1."""
     return np.linspace(0.0, 1.0, count + 2)
+
+
+def spread(knots, fixed):
+    """All of ``fixed``, and of ``knots`` those that are farther than ``NEAREST`` from these; in rising order."""
+    fixed = np.union1d(fixed, [0.0, 1.0])
+    apart = np.abs(np.subtract.outer(knots, fixed)).min(axis=1) > NEAREST
+    return np.union1d(np.asarray(knots)[apart], fixed)
 
 
 def corners(knots, index, easing):

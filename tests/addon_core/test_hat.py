@@ -68,3 +68,15 @@ def test_the_first_and_the_last_hat_have_two_corners():
 
 def test_uniform_knots_count_the_in_betweens_only():
     assert_allclose(hat.uniform_knots(3), [0, 0.25, 0.5, 0.75, 1])
+
+
+def test_knots_give_way_to_those_that_are_fixed():
+    draw = np.random.default_rng(5).uniform(size=(40, 3))
+    for fixed in np.round(draw, 4):
+        for count in (1, 9, 99):
+            knots = hat.uniform_knots(count)
+            found = hat.spread(knots, fixed)
+            assert set(fixed) | {0.0, 1.0} <= set(found)
+            if np.diff(np.unique(fixed)).min() > hat.NEAREST:
+                assert np.diff(found).min() > 0.9 * hat.NEAREST
+            assert np.abs(np.subtract.outer(knots, found)).min(axis=1).max() <= hat.NEAREST

@@ -37,6 +37,23 @@ def test_an_eased_slider_plays_the_path_at_eased_times(easing, playback):
         assert_allclose(scene.shown(obj), np.tensordot(weights, shapes, axes=1), atol=2e-5)
 
 
+@pytest.mark.parametrize("easing", EASINGS)
+@pytest.mark.parametrize(
+    ("count", "through"), [(100, ""), (50, ""), (9, "half: 0.5003"), (3, "half: 0.0002")]
+)
+def test_keys_however_near_each_other_play_as_hats(count, through, easing):
+    obj = keyed_tube(rings=6, around=8)
+    bake(count=count, through=through, easing=easing)
+    arc, times = obj.lissom_inbetween.arcs["full arc"], knots(obj)
+    draw = np.random.default_rng(count).uniform(size=15)
+    near = EASINGS[easing].inverse(np.clip(np.add.outer(times[::7], [-1e-4, 0, 1e-4]), 0, 1)).ravel()
+    keys = [obj.data.shape_keys.key_blocks[key.name] for key in arc.keys]
+    for time in np.float32([*draw, *near]).tolist():
+        slide(obj, "full arc", time)
+        expected = hat.weights(times, EASINGS[easing].value(time))[0, 1:]
+        assert_allclose([key.value for key in keys], expected, atol=5e-3)
+
+
 @pytest.mark.parametrize("scale", [1.0, 10.0])
 @pytest.mark.parametrize("playback", ["RELATIVE", "ABSOLUTE"])
 def test_the_fewest_keys_stay_within_the_tolerance_in_scene_units(playback, scale):
