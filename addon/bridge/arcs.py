@@ -4,7 +4,7 @@ Relative keys: the baked keys are Basis + P_i - P_0 of the path P at its knots, 
 exporter takes them, and each driven by its hat function h_i of the slider t. Blender then adds
 sum_i h_i(t) (P_i - P_0) to what the other keys show: with the start key on, that is the path from P_0 to
 P_n, straight between the knots; P_0 needs no key. P_0 and P_n are what the artist sees with the start or the
-end key on, whatever key they are relative to.
+end key on, whatever key they are relative to and whatever vertex group masks them: exporters know no masks.
 
 Absolute keys: P_0 to P_n are keys one after the other behind those that were there, and the slider drives
 the evaluation time through them; Blender goes straight from key to key by itself.
@@ -20,7 +20,7 @@ from ..core import inbetween as core_inbetween
 from ..core.easing import EASINGS
 from ..core.inbetween import Asked, path_work
 from ..core.refused import Refused, first
-from . import animation, checks, groups, meshes, shape_keys, sliders
+from . import animation, checks, meshes, shape_keys, sliders
 
 SECOND = 100.0  # the evaluation time that an absolute arc takes, in Blender's frames of shape keys
 GAP = 10.0  # between the last key and the first of the arc, as Blender itself spaces them
@@ -63,13 +63,13 @@ class Ends:
             raise Refused("From and To are the same shape key: choose two")
         self.names = start.name, end.name
         self.mesh = meshes.Snapshot.of(obj, space.linear_part(obj.matrix_world, obj.name))
-        self.first, self.last = shape_keys.seen(start), shape_keys.seen(end)
+        self.first, self.last = shape_keys.seen(obj, start), shape_keys.seen(obj, end)
         if end.relative_key == start:  # then the end is seen on top of the start
-            self.last = self.first + (shape_keys.shape(end) - shape_keys.shape(start))
+            self.last = self.first + (shape_keys.seen(obj, end, start) - shape_keys.shape(start))
         own = [key.name for key, _ in stops if key in (start, end)]
         if own:
             raise Refused(f"Through: '{own[0]}' is an end of the arc")
-        self.stops = [(time, shape_keys.seen(key)) for key, time in stops]
+        self.stops = [(time, shape_keys.seen(obj, key)) for key, time in stops]
         self._obstacle = obstacle(obj, asked.clearance, self.names) if asked.clearance else None
 
     def path(self, asked):
@@ -98,7 +98,7 @@ def obstacle(obj, name, ends):
     if own:
         faces = meshes.triangles(other.data)
         shapes = [
-            shape_keys.seen(keys.key_blocks[key]) if key in own else meshes.rest_positions(other.data)
+            shape_keys.seen(other, keys.key_blocks[key]) if key in own else meshes.rest_positions(other.data)
             for key in ends
         ]
     else:
@@ -178,7 +178,7 @@ class Baking:
         return len(arc.keys), warnings
 
     def _write_relative(self, obj, arc, start, end, knots, shapes):
-        settings = shape_keys.Settings(vertex_group=end.vertex_group, mute=end.mute)
+        settings = shape_keys.Settings(mute=end.mute)
         curve = EASINGS[self.asked.easing]
         offset = self._ends.mesh.vertices - self._ends.first
         for index in range(1, len(knots)):
@@ -191,13 +191,11 @@ class Baking:
     def _write_absolute(self, obj, arc, start, end, knots, shapes):
         keys = obj.data.shape_keys
         others = [key.name for key in keys.key_blocks if key not in (keys.reference_key, start, end)]
-        weights, first_shape = _mask(obj, end.vertex_group), self._ends.first
         offset = max(key.frame for key in keys.key_blocks) + GAP
         keys.use_relative = False
         for knot, shape in zip(knots, shapes, strict=True):
             keys.eval_time = offset + SECOND * knot  # where Blender puts a new absolute key
-            masked = first_shape + weights * (shape - first_shape)
-            self._key(obj, arc, knot, masked, shape_keys.Settings()).interpolation = "KEY_LINEAR"
+            self._key(obj, arc, knot, shape, shape_keys.Settings()).interpolation = "KEY_LINEAR"
         curve = EASINGS[self.asked.easing]
         times = np.array([0.0, 1.0])
         slopes = SECOND * curve.slope(times)
@@ -287,17 +285,6 @@ def rename(obj, slider, name):
 
 def _percent(time):
     return f"{100 * time:.1f}".rstrip("0").rstrip(".")
-
-
-def _mask(obj, group):
-    """(n, 1): the weights of a vertex group; all 1 without one."""
-    found = groups.weighted_members(obj, [group])
-    if group not in found:
-        return np.ones((len(obj.data.vertices), 1))
-    weights = np.zeros((len(obj.data.vertices), 1))
-    members, values = found[group]
-    weights[members, 0] = values
-    return weights
 
 
 def _remove_keys(obj, slider):

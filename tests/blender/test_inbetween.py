@@ -168,16 +168,35 @@ def test_the_slider_survives_saving(tmp_path):
     assert_plays(bpy.data.objects["Tube"], "full arc", path)
 
 
-def test_the_mask_of_the_end_key_holds_for_the_arc():
-    obj = keyed_tube()
-    scene.group(obj, "upper", lambda co: co.z > 0)
-    keys = obj.data.shape_keys.key_blocks
-    keys["full"].vertex_group = "upper"
-    keys["full"].value = 1
-    masked = scene.shown(obj)
-    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=2)
-    slide(obj, "full arc", 1.0)
-    assert_allclose(scene.shown(obj), masked, atol=1e-6)
+@pytest.mark.parametrize("playback", ["RELATIVE", "ABSOLUTE"])
+@pytest.mark.parametrize("start", ["", "half"])
+@pytest.mark.parametrize("relative", [False, True])
+def test_a_masked_key_gives_the_arc_between_what_is_seen_in_keys_without_a_mask(start, relative, playback):
+    obj = keyed_tube(rings=12, around=8)
+    keys, rest = obj.data.shape_keys.key_blocks, scene.key_points(obj, "Basis")
+    draw = np.random.default_rng(3)
+    for name in ("half", "full"):
+        soft = np.clip(rest @ draw.normal(size=3) + draw.uniform(), 0, 1)
+        made = obj.vertex_groups.new(name=name)
+        for vertex in np.flatnonzero(soft):
+            made.add([int(vertex)], soft[vertex], "REPLACE")
+        keys[name].vertex_group = name
+    if relative:
+        keys["full"].relative_key = keys["half"]
+
+    def seen(*on):
+        for key in keys:
+            key.value = float(key.name in on)
+        bpy.context.view_layer.update()
+        return scene.shown(obj)
+
+    ends = seen(start), seen("full", *([start] if relative else []))
+    seen()
+    mesh = lissom.Mesh(rest, meshes.triangles(obj.data))
+    path = lissom.Inbetween(mesh, *ends)
+    bpy.ops.lissom.inbetween_bake(object="Tube", start=start, end="full", count=COUNT, playback=playback)
+    assert not any(keys[key.name].vertex_group for key in obj.lissom_inbetween.arcs["full arc"].keys)
+    assert_plays(obj, "full arc", path)
 
 
 def test_row_32_baking_again_replaces_renames_or_skips():

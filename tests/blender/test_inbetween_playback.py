@@ -110,17 +110,6 @@ def test_absolute_keys_are_played_by_the_evaluation_time():
     assert scene.snapshot() == before
 
 
-def test_absolute_keys_honour_the_mask_of_the_end_key():
-    obj = keyed_tube()
-    scene.group(obj, "upper", lambda co: co.z > 0)
-    key = obj.data.shape_keys.key_blocks["full"]
-    key.vertex_group, key.value = "upper", 1
-    masked = scene.shown(obj)
-    bake(playback="ABSOLUTE")
-    slide(obj, "full arc", 1.0)
-    assert_allclose(scene.shown(obj), masked, atol=1e-5)
-
-
 def test_a_second_arc_beside_an_absolute_one_is_refused():
     obj = keyed_tube()
     bake(playback="ABSOLUTE")
