@@ -172,7 +172,7 @@ class Baking:
         write = self._write_absolute if self.asked.playback == "ABSOLUTE" else self._write_relative
         warnings += write(obj, arc, start, end, sampled.knots, shapes)
         if self.asked.prepare_keys:
-            warnings += _prepare(obj, start, end)
+            warnings += _prepare(obj, start, end, arc.name)
         warnings += filter(None, [checks.shared_data(obj)])
         arc.warnings = "\n".join(warnings)
         return len(arc.keys), warnings
@@ -310,15 +310,19 @@ def _reroute(obj, end, arc):
     return [f"The animation of shape key '{end.name}' stays with it: {reason}" for reason in left]
 
 
-def _prepare(obj, start, end):
+def _prepare(obj, start, end, slider):
+    """Start key on, end key off; the slider takes over how far the end key was on."""
     warnings = []
     for key, value in ((start, 1.0), (end, 0.0)):
         if key == obj.data.shape_keys.reference_key:
             continue
         if key.lock_shape or shape_keys.is_driven(key):
             warnings.append(f"Shape key '{key.name}' is driven or locked: set it to {value:.0f} yourself")
-        else:
-            key.value = value
+            continue
+        if key == end and end.value:
+            obj[slider] = end.value
+            obj.update_tag()
+        key.value = value
     if start.mute:
         warnings.append(f"Shape key '{start.name}' is muted: the slider at 0 shows the mesh without it")
     return warnings

@@ -17,7 +17,7 @@ def uniform_knots(count):
 
 
 def spread(knots, fixed):
-    """``fixed``, 0, 1, and of ``knots`` those that are farther than ``NEAREST`` from these; in rising order."""
+    """``fixed``, 0, 1, and of ``knots`` those farther than ``NEAREST`` from these; in rising order."""
     fixed = np.union1d(fixed, [0.0, 1.0])
     apart = np.abs(np.subtract.outer(knots, fixed)).min(axis=1) > NEAREST
     return np.union1d(np.asarray(knots)[apart], fixed)

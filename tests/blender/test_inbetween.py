@@ -229,6 +229,21 @@ def drive(key, obj, slider):
     variable.targets[0].data_path = f'["{slider}"]'
 
 
+@pytest.mark.parametrize("playback", ["RELATIVE", "ABSOLUTE"])
+@pytest.mark.parametrize("value", [0.0, 0.25, 0.5, 1.0])
+def test_the_slider_takes_over_how_far_the_end_key_is_on(value, playback):
+    obj = keyed_tube(rings=12, around=8)
+    keys = obj.data.shape_keys.key_blocks
+    path = native_path(obj, "Basis", "full")
+    for slider_before in (0.0, 0.75):
+        keys["full"].value = value
+        bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=3, playback=playback)
+        bpy.context.view_layer.update()
+        assert keys["full"].value == 0
+        assert_allclose(scene.shown(obj), path.at([value or slider_before])[0], atol=1e-5)
+        obj["full arc"] = 0.75
+
+
 @pytest.mark.parametrize("chosen", ["Basis", "half", "full", "full arc 50%", "late"])
 def test_the_chosen_key_stays_chosen(chosen):
     obj = keyed_tube()
