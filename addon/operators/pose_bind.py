@@ -4,7 +4,7 @@ import bpy
 from bpy.props import EnumProperty, StringProperty
 
 from .. import rebind, session
-from ..bridge import checks, empties, meshes, poses, shape_keys
+from ..bridge import applied, checks, empties, meshes, poses, shape_keys
 from ..core import names, space
 from ..core.pose_options import Asked, by_name, options_of
 from ..core.refused import Refused, first
@@ -107,6 +107,7 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
         settings.linear = self._mesh.linear.ravel()
         poses.keep(settings, result.asked)
         poses.mute_baked(obj, True)
+        applied.note(obj)
         settings.bound = True
         session.poses[obj.session_uid] = result
         session.status[obj.name] = ("CHECKMARK", "Bound: move an Empty")
