@@ -6,6 +6,8 @@ sum_i h_i(t) (P_i - P_0) to what the other keys show: with the start key on, tha
 P_n, straight between the knots; P_0 needs no key. P_0 and P_n are what the artist sees with the start or the
 end key on, whatever key they are relative to and whatever vertex group masks them: exporters know no masks.
 
+Where the end key's range goes beyond 0 and 1, the path goes on straight to keys at the ends of that range.
+
 Absolute keys: P_0 to P_n are keys one after the other behind those that were there, and the slider drives
 the evaluation time through them; Blender goes straight from key to key by itself.
 """
@@ -155,7 +157,8 @@ class Baking:
         shapes = self._ends.back(sampled.shapes)
         _remove_keys(obj, self.slider)
         description = f"Lissom: from '{start.name}' at 0 along an arc to '{end.name}' at 1"
-        sliders.add(obj, self.slider, description, value)
+        knots, shapes = hat.beyond(sampled.knots, shapes, end.slider_min, end.slider_max)
+        sliders.add(obj, self.slider, description, value, (knots[0], knots[-1]))
         arc = obj.lissom_inbetween.arcs.add()
         for one in fields(Asked):
             if hasattr(arc, one.name):
@@ -170,7 +173,7 @@ class Baking:
         else:
             arc.reroute = bool(rerouted)
         write = self._write_absolute if self.asked.playback == "ABSOLUTE" else self._write_relative
-        warnings += write(obj, arc, start, end, sampled.knots, shapes)
+        warnings += write(obj, arc, start, end, knots, shapes)
         if self.asked.prepare_keys:
             warnings += _prepare(obj, start, end, arc.name)
         warnings += filter(None, [checks.shared_data(obj)])
@@ -181,7 +184,7 @@ class Baking:
         settings = shape_keys.Settings(mute=end.mute)
         curve = EASINGS[self.asked.easing]
         offset = self._ends.mesh.vertices - self._ends.first
-        for index in range(1, len(knots)):
+        for index in np.flatnonzero(knots):
             key = self._key(obj, arc, knots[index], shapes[index] + offset, settings)
             sliders.drive(key, "value", obj, arc.name, hat.corners(knots, index, curve))
         if end.mute:
@@ -191,15 +194,17 @@ class Baking:
     def _write_absolute(self, obj, arc, start, end, knots, shapes):
         keys = obj.data.shape_keys
         others = [key.name for key in keys.key_blocks if key not in (keys.reference_key, start, end)]
-        offset = max(key.frame for key in keys.key_blocks) + GAP
+        offset = max(key.frame for key in keys.key_blocks) + GAP - SECOND * knots[0]
         keys.use_relative = False
         for knot, shape in zip(knots, shapes, strict=True):
             keys.eval_time = offset + SECOND * knot  # where Blender puts a new absolute key
             self._key(obj, arc, knot, shape, shape_keys.Settings()).interpolation = "KEY_LINEAR"
         curve = EASINGS[self.asked.easing]
-        times = np.array([0.0, 1.0])
-        slopes = SECOND * curve.slope(times)
-        corners = easing.bezier(times, offset + SECOND * times, slopes, slopes)
+        times = np.unique([knots[0], 0.0, 1.0, knots[-1]])
+        slopes = curve.slope(np.clip(times, 0.0, 1.0))
+        before = SECOND * np.where((times <= 0) | (times > 1), 1.0, slopes)
+        after = SECOND * np.where((times < 0) | (times >= 1), 1.0, slopes)
+        corners = easing.bezier(times, offset + SECOND * times, before, after)
         sliders.drive(keys, "eval_time", obj, arc.name, corners)
         if not others:
             return []
@@ -227,9 +232,11 @@ def played(obj, slider, times):
     arc = find(obj, slider)
     ends = Ends(obj, arc)
     keys = np.stack([shape_keys.shape(shape_keys.find(obj, key.name)) for key in arc.keys])
+    times_of_keys = [key.time for key in arc.keys]
     if arc.playback != "ABSOLUTE":
-        keys = np.concatenate([ends.mesh.vertices[None], keys]) - (ends.mesh.vertices - ends.first)
-    knots = np.union1d([0.0], [key.time for key in arc.keys])
+        keys = np.insert(keys, np.searchsorted(times_of_keys, 0.0), ends.mesh.vertices, axis=0)
+        keys -= ends.mesh.vertices - ends.first
+    knots = np.union1d([0.0], times_of_keys)
     return np.tensordot(hat.weights(knots, times), keys, axes=1)
 
 
@@ -267,7 +274,8 @@ def rename(obj, slider, name):
     baked = sliders.baked_keys(obj, slider)
     checks.require_unlocked([shape_keys.find(obj, key) for key in baked])
     description = obj.id_properties_ui(slider).as_dict().get("description", "") if slider in obj else ""
-    sliders.add(obj, name, description, obj.get(slider, 0.0))
+    times = [0.0, 1.0, *(key.time for key in arc.keys)]
+    sliders.add(obj, name, description, obj.get(slider, 0.0), (min(times), max(times)))
     left = animation.move(obj, sliders.data_path(slider), obj, sliders.data_path(name))
     animation.redirect(obj, sliders.data_path(slider), obj, sliders.data_path(name))
     if slider in obj:

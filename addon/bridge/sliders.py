@@ -20,12 +20,17 @@ def check_name(obj, slider):
         raise Refused(f"'{slider}' is a property of all objects: choose another name for the slider")
 
 
-def add(obj, slider, description, value=0.0):
-    """Makes the custom property, 0 to 1, which a library override of the object may set."""
+def add(obj, slider, description, value=0.0, limits=(0.0, 1.0)):
+    """Makes the custom property, which a library override of the object may set."""
     obj[slider] = value
     obj.property_overridable_library_set(data_path(slider), True)
     obj.id_properties_ui(slider).update(
-        min=0.0, max=1.0, soft_min=0.0, soft_max=1.0, default=0.0, description=description
+        min=limits[0],
+        max=limits[1],
+        soft_min=limits[0],
+        soft_max=limits[1],
+        default=0.0,
+        description=description,
     )
 
 

@@ -22,7 +22,8 @@ class Easing(NamedTuple):
 
     def value(self, times):
         """e(t)."""
-        return np.polynomial.polynomial.polyval(times, self.coefficients)
+        eased = np.polynomial.polynomial.polyval(times, self.coefficients)
+        return np.where(np.abs(np.subtract(times, 0.5)) <= 0.5, eased, times)
 
     def slope(self, times):
         """e'(t)."""

@@ -242,6 +242,32 @@ def test_the_animation_of_the_end_key_moves_to_the_slider_and_back():
     assert keys.key_blocks["full"].value == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize("easing", EASINGS)
+@pytest.mark.parametrize("playback", ["RELATIVE", "ABSOLUTE"])
+@pytest.mark.parametrize("limits", [(-0.5, 1.5), (0, 2), (-1, 1)])
+@pytest.mark.parametrize("start", ["", "half"])
+def test_animation_beyond_the_ends_goes_on_straight(start, limits, playback, easing):
+    obj = keyed_tube(rings=12, around=8)
+    full = obj.data.shape_keys.key_blocks["full"]
+    full.slider_min, full.slider_max = limits
+    frames = np.linspace(*limits, 9)
+    for frame, value in enumerate(frames):
+        full.value = value
+        full.keyframe_insert("value", frame=frame)
+    path = native_path(obj, start or "Basis", "full")
+    bake(count=3, start=start, playback=playback, easing=easing)
+    bpy.ops.lissom.inbetween_rename(object="Tube", slider="full arc", name="s")
+    shapes = path.at(np.linspace(0, 1, 5))
+    for frame, value in enumerate(frames):
+        bpy.context.scene.frame_set(frame)
+        assert obj["s"] == pytest.approx(value)
+        within = np.clip(value, 0, 1)
+        weights = hat.weights(np.linspace(0, 1, 5), EASINGS[easing].value(within))[0]
+        speed = 4 * (shapes[1] - shapes[0] if value < 0 else shapes[4] - shapes[3])
+        expected = np.tensordot(weights, shapes, axes=1) + (value - within) * speed
+        assert_allclose(scene.shown(obj), expected, atol=3e-5)
+
+
 def test_animation_that_others_use_too_stays_and_is_said():
     obj = keyed_tube()
     keys = obj.data.shape_keys
