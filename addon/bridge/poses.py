@@ -91,6 +91,17 @@ def linear_part(obj):
     return np.array(obj.lissom_pose.linear, dtype=np.float64).reshape(3, 3)
 
 
+def rescaled(obj):
+    """What to say where the object is stretched since Bind, which no turned handle can follow, or ""."""
+    stretch = np.array(obj.matrix_world)[:3, :3] @ np.linalg.inv(linear_part(obj))
+    if not np.isfinite(stretch).all():  # refused by whoever solves
+        return ""
+    values = np.linalg.svd(stretch, compute_uv=False)
+    if values[0] <= 1.001 * values[2]:
+        return ""
+    return f"'{obj.name}' was scaled unevenly since Bind, and its handles with it: press Unbind, then Bind"
+
+
 def preview(obj):
     """The shape key that shows the live pose."""
     keys = obj.data.shape_keys

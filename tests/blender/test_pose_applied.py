@@ -189,3 +189,20 @@ def test_a_rest_shape_that_is_scaled_in_edit_mode_is_an_edit():
     obj.data.update()
     bpy.context.view_layer.update()
     assert [tuple(handle.rest) for handle in obj.lissom_pose.handles] == rests
+
+
+def test_an_uneven_scale_set_after_bind_is_said():
+    draw = np.random.default_rng(8)
+    for _ in range(5):
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        obj = bound_tube(draw, True)
+        scale = obj.scale.copy()
+        for factors, said in (
+            ((2, 2, 2), False),
+            ((-1, 1, 1), False),
+            ((1, 1.1, 1), True),
+            ((1, 1, 1), False),
+        ):
+            obj.scale = [a * b for a, b in zip(scale, factors, strict=True)]
+            bpy.context.view_layer.update()
+            assert ("scaled unevenly since Bind" in poses.rescaled(obj)) == said
