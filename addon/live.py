@@ -14,7 +14,7 @@ import lissom
 from bpy.app.handlers import persistent
 
 from . import session
-from .bridge import poses
+from .bridge import applied, poses
 from .bridge.screen import redraw_sidebars
 from .core.refused import Refused
 
@@ -86,9 +86,14 @@ def _on_update(scene, depsgraph):
     if _paused:
         return
     for change in depsgraph.updates:
-        if not change.is_updated_transform or not isinstance(change.id, bpy.types.Object):
+        if not isinstance(change.id, bpy.types.Object):
             continue
-        obj = change.id.original.lissom_handle_of
+        obj = change.id.original
+        if applied.bound_mesh(obj):
+            applied.follow(obj)
+        if not change.is_updated_transform:
+            continue
+        obj = obj.lissom_handle_of
         if obj is not None and obj.lissom_pose.bound:
             mark(obj)
     if bpy.app.background:
@@ -104,7 +109,8 @@ def _on_history(*_):
     session.history += 1
     session.status.clear()
     for obj in bpy.data.objects:
-        if obj.type == "MESH" and obj.lissom_pose.bound:
+        if applied.bound_mesh(obj):
+            applied.follow(obj)
             if obj.session_uid in session.poses:
                 session.poses[obj.session_uid].forget()
             mark(obj)
@@ -115,6 +121,11 @@ def _on_load(*_):
     session.history += 1
     _due.clear()
     session.clear()
+    bound = list(filter(applied.bound_mesh, bpy.data.objects))
+    if bound:
+        bpy.context.view_layer.update()  # a file holds no matrices of objects
+    for obj in bound:
+        applied.note(obj)
 
 
 _HANDLERS = (

@@ -5,6 +5,7 @@ loading a file leave no dangling reference. All of it can be lost and made again
 """
 
 poses = {}  # session_uid of a mesh object -> core.pose.BoundPose
+worlds = {}  # session_uid of a bound mesh object -> its matrix (4, 4) when it was last looked at
 rebinding = {}  # name of a mesh object -> core.work.Work that binds it anew, None before it starts
 status = {}  # name of a mesh object -> (icon, text) about its live pose
 fit = None  # operators.transfer_fit.Memory: the last fit
@@ -20,6 +21,7 @@ def clear():
     """Forgets everything that belongs to a file."""
     global fit, picking
     poses.clear()
+    worlds.clear()
     rebinding.clear()
     status.clear()
     shadings.clear()

@@ -4,7 +4,9 @@ Relative keys: the baked keys are Basis + P_i - P_0 of the path P at its knots, 
 exporter takes them, and each driven by its hat function h_i of the slider t. Blender then adds
 sum_i h_i(t) (P_i - P_0) to what the other keys show: with the start key on, that is the path from P_0 to
 P_n, straight between the knots; P_0 needs no key. P_0 and P_n are what the artist sees with the start or the
-end key on, whatever key they are relative to.
+end key on, whatever key they are relative to and whatever vertex group masks them: exporters know no masks.
+
+Where the end key's range goes beyond 0 and 1, the path goes on straight to keys at the ends of that range.
 
 Absolute keys: P_0 to P_n are keys one after the other behind those that were there, and the slider drives
 the evaluation time through them; Blender goes straight from key to key by itself.
@@ -20,7 +22,7 @@ from ..core import inbetween as core_inbetween
 from ..core.easing import EASINGS
 from ..core.inbetween import Asked, path_work
 from ..core.refused import Refused, first
-from . import animation, checks, groups, meshes, shape_keys, sliders
+from . import animation, checks, meshes, shape_keys, sliders
 
 SECOND = 100.0  # the evaluation time that an absolute arc takes, in Blender's frames of shape keys
 GAP = 10.0  # between the last key and the first of the arc, as Blender itself spaces them
@@ -63,13 +65,13 @@ class Ends:
             raise Refused("From and To are the same shape key: choose two")
         self.names = start.name, end.name
         self.mesh = meshes.Snapshot.of(obj, space.linear_part(obj.matrix_world, obj.name))
-        self.first, self.last = shape_keys.seen(start), shape_keys.seen(end)
+        self.first, self.last = shape_keys.seen(obj, start), shape_keys.seen(obj, end)
         if end.relative_key == start:  # then the end is seen on top of the start
-            self.last = self.first + (shape_keys.shape(end) - shape_keys.shape(start))
+            self.last = self.first + (shape_keys.seen(obj, end, start) - shape_keys.shape(start))
         own = [key.name for key, _ in stops if key in (start, end)]
         if own:
             raise Refused(f"Through: '{own[0]}' is an end of the arc")
-        self.stops = [(time, shape_keys.seen(key)) for key, time in stops]
+        self.stops = [(time, shape_keys.seen(obj, key)) for key, time in stops]
         self._obstacle = obstacle(obj, asked.clearance, self.names) if asked.clearance else None
 
     def path(self, asked):
@@ -98,7 +100,7 @@ def obstacle(obj, name, ends):
     if own:
         faces = meshes.triangles(other.data)
         shapes = [
-            shape_keys.seen(keys.key_blocks[key]) if key in own else meshes.rest_positions(other.data)
+            shape_keys.seen(other, keys.key_blocks[key]) if key in own else meshes.rest_positions(other.data)
             for key in ends
         ]
     else:
@@ -155,7 +157,8 @@ class Baking:
         shapes = self._ends.back(sampled.shapes)
         _remove_keys(obj, self.slider)
         description = f"Lissom: from '{start.name}' at 0 along an arc to '{end.name}' at 1"
-        sliders.add(obj, self.slider, description, value)
+        knots, shapes = hat.beyond(sampled.knots, shapes, end.slider_min, end.slider_max)
+        sliders.add(obj, self.slider, description, value, (knots[0], knots[-1]))
         arc = obj.lissom_inbetween.arcs.add()
         for one in fields(Asked):
             if hasattr(arc, one.name):
@@ -170,18 +173,18 @@ class Baking:
         else:
             arc.reroute = bool(rerouted)
         write = self._write_absolute if self.asked.playback == "ABSOLUTE" else self._write_relative
-        warnings += write(obj, arc, start, end, sampled.knots, shapes)
+        warnings += write(obj, arc, start, end, knots, shapes)
         if self.asked.prepare_keys:
-            warnings += _prepare(obj, start, end)
+            warnings += _prepare(obj, start, end, arc.name)
         warnings += filter(None, [checks.shared_data(obj)])
         arc.warnings = "\n".join(warnings)
         return len(arc.keys), warnings
 
     def _write_relative(self, obj, arc, start, end, knots, shapes):
-        settings = shape_keys.Settings(vertex_group=end.vertex_group, mute=end.mute)
+        settings = shape_keys.Settings(mute=end.mute)
         curve = EASINGS[self.asked.easing]
         offset = self._ends.mesh.vertices - self._ends.first
-        for index in range(1, len(knots)):
+        for index in np.flatnonzero(knots):
             key = self._key(obj, arc, knots[index], shapes[index] + offset, settings)
             sliders.drive(key, "value", obj, arc.name, hat.corners(knots, index, curve))
         if end.mute:
@@ -191,17 +194,17 @@ class Baking:
     def _write_absolute(self, obj, arc, start, end, knots, shapes):
         keys = obj.data.shape_keys
         others = [key.name for key in keys.key_blocks if key not in (keys.reference_key, start, end)]
-        weights, first_shape = _mask(obj, end.vertex_group), self._ends.first
-        offset = max(key.frame for key in keys.key_blocks) + GAP
+        offset = max(key.frame for key in keys.key_blocks) + GAP - SECOND * knots[0]
         keys.use_relative = False
         for knot, shape in zip(knots, shapes, strict=True):
             keys.eval_time = offset + SECOND * knot  # where Blender puts a new absolute key
-            masked = first_shape + weights * (shape - first_shape)
-            self._key(obj, arc, knot, masked, shape_keys.Settings()).interpolation = "KEY_LINEAR"
+            self._key(obj, arc, knot, shape, shape_keys.Settings()).interpolation = "KEY_LINEAR"
         curve = EASINGS[self.asked.easing]
-        times = np.array([0.0, 1.0])
-        slopes = SECOND * curve.slope(times)
-        corners = easing.bezier(times, offset + SECOND * times, slopes, slopes)
+        times = np.unique([knots[0], 0.0, 1.0, knots[-1]])
+        slopes = curve.slope(np.clip(times, 0.0, 1.0))
+        before = SECOND * np.where((times <= 0) | (times > 1), 1.0, slopes)
+        after = SECOND * np.where((times < 0) | (times >= 1), 1.0, slopes)
+        corners = easing.bezier(times, offset + SECOND * times, before, after)
         sliders.drive(keys, "eval_time", obj, arc.name, corners)
         if not others:
             return []
@@ -229,9 +232,11 @@ def played(obj, slider, times):
     arc = find(obj, slider)
     ends = Ends(obj, arc)
     keys = np.stack([shape_keys.shape(shape_keys.find(obj, key.name)) for key in arc.keys])
+    times_of_keys = [key.time for key in arc.keys]
     if arc.playback != "ABSOLUTE":
-        keys = np.concatenate([ends.mesh.vertices[None], keys]) - (ends.mesh.vertices - ends.first)
-    knots = np.union1d([0.0], [key.time for key in arc.keys])
+        keys = np.insert(keys, np.searchsorted(times_of_keys, 0.0), ends.mesh.vertices, axis=0)
+        keys -= ends.mesh.vertices - ends.first
+    knots = np.union1d([0.0], times_of_keys)
     return np.tensordot(hat.weights(knots, times), keys, axes=1)
 
 
@@ -269,7 +274,8 @@ def rename(obj, slider, name):
     baked = sliders.baked_keys(obj, slider)
     checks.require_unlocked([shape_keys.find(obj, key) for key in baked])
     description = obj.id_properties_ui(slider).as_dict().get("description", "") if slider in obj else ""
-    sliders.add(obj, name, description, obj.get(slider, 0.0))
+    times = [0.0, 1.0, *(key.time for key in arc.keys)]
+    sliders.add(obj, name, description, obj.get(slider, 0.0), (min(times), max(times)))
     left = animation.move(obj, sliders.data_path(slider), obj, sliders.data_path(name))
     animation.redirect(obj, sliders.data_path(slider), obj, sliders.data_path(name))
     if slider in obj:
@@ -287,17 +293,6 @@ def rename(obj, slider, name):
 
 def _percent(time):
     return f"{100 * time:.1f}".rstrip("0").rstrip(".")
-
-
-def _mask(obj, group):
-    """(n, 1): the weights of a vertex group; all 1 without one."""
-    found = groups.weighted_members(obj, [group])
-    if group not in found:
-        return np.ones((len(obj.data.vertices), 1))
-    weights = np.zeros((len(obj.data.vertices), 1))
-    members, values = found[group]
-    weights[members, 0] = values
-    return weights
 
 
 def _remove_keys(obj, slider):
@@ -323,15 +318,19 @@ def _reroute(obj, end, arc):
     return [f"The animation of shape key '{end.name}' stays with it: {reason}" for reason in left]
 
 
-def _prepare(obj, start, end):
+def _prepare(obj, start, end, slider):
+    """Start key on, end key off; the slider takes over how far the end key was on."""
     warnings = []
     for key, value in ((start, 1.0), (end, 0.0)):
         if key == obj.data.shape_keys.reference_key:
             continue
         if key.lock_shape or shape_keys.is_driven(key):
             warnings.append(f"Shape key '{key.name}' is driven or locked: set it to {value:.0f} yourself")
-        else:
-            key.value = value
+            continue
+        if key == end and end.value:
+            obj[slider] = end.value
+            obj.update_tag()
+        key.value = value
     if start.mute:
         warnings.append(f"Shape key '{start.name}' is muted: the slider at 0 shows the mesh without it")
     return warnings

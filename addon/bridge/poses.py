@@ -11,6 +11,12 @@ from ..core.pose_options import Asked, options_of
 from ..core.refused import Refused, first
 from . import empties, groups, meshes, shape_keys
 
+DEFORMING = {
+    "ARMATURE", "CAST", "CLOTH", "CORRECTIVE_SMOOTH", "CURVE", "DISPLACE", "HOOK", "LAPLACIANDEFORM",
+    "LAPLACIANSMOOTH", "LATTICE", "MESH_CACHE", "MESH_DEFORM", "SHRINKWRAP", "SIMPLE_DEFORM", "SMOOTH",
+    "SOFT_BODY", "SURFACE_DEFORM", "WARP", "WAVE",
+}  # fmt: skip
+
 
 def bind_work(obj, linear, asked):
     """Work whose result is a BoundPose of the object's rest shape, by the vertex groups of its settings."""
@@ -85,6 +91,17 @@ def linear_part(obj):
     return np.array(obj.lissom_pose.linear, dtype=np.float64).reshape(3, 3)
 
 
+def rescaled(obj):
+    """What to say where the object is stretched since Bind, which no turned handle can follow, or ""."""
+    stretch = np.array(obj.matrix_world)[:3, :3] @ np.linalg.inv(linear_part(obj))
+    if not np.isfinite(stretch).all():  # refused by whoever solves
+        return ""
+    values = np.linalg.svd(stretch, compute_uv=False)
+    if values[0] <= 1.001 * values[2]:
+        return ""
+    return f"'{obj.name}' was scaled unevenly since Bind, and its handles with it: press Unbind, then Bind"
+
+
 def preview(obj):
     """The shape key that shows the live pose."""
     keys = obj.data.shape_keys
@@ -95,6 +112,37 @@ def preview(obj):
             "press Unbind, then Bind"
         )
     return key
+
+
+def left_out(obj):
+    """Warnings about what is seen of the object and not in the shape that is posed, its Basis."""
+    keys, said = obj.data.shape_keys, []
+    baked = obj.lissom_pose.baked.keys()
+    on = [
+        key.name
+        for key in (keys.key_blocks if keys else [])
+        if key != keys.reference_key and not key.mute and key.value and key.name not in baked
+    ]
+    if on:
+        said.append(f"The pose starts from the Basis: shape key {first(map(repr, on))} is on and adds to it")
+    if any(_deforms(modifier) for modifier in obj.modifiers):
+        moving = first(repr(modifier.name) for modifier in obj.modifiers if _deforms(modifier))
+        said.append(f"The pose starts from the Basis: modifier {moving} moves the mesh, not the Empties")
+    return said
+
+
+def _deforms(modifier):
+    """True for a modifier that moves vertices now and makes none."""
+    kind = modifier.type
+    if not modifier.show_viewport or kind not in DEFORMING:
+        return False
+    if kind != "ARMATURE":
+        return True
+    rig = modifier.object
+    if rig is None or rig.data.pose_position == "REST":
+        return False
+    turned = (np.array(bone.matrix_channel) for bone in rig.pose.bones)  # constraints included
+    return any(not np.allclose(matrix, np.eye(4), atol=space.STILL) for matrix in turned)
 
 
 def foreign_handles(obj):

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from ..core.refused import Refused
-from . import animation
+from . import animation, groups
 from .meshes import positions
 
 
@@ -63,12 +63,17 @@ def shape(key):
     return positions(key.points)
 
 
-def seen(key):
-    """(n, 3): what is shown with this key at 1 and all others at 0, whatever its relative key (row 33)."""
-    basis, relative = key.id_data.reference_key, key.relative_key
-    if key == basis or relative == basis:
+def seen(obj, key, over=None):
+    """(n, 3): what is shown with this key of ``obj`` at 1, over the key ``over`` (the reference key) alone.
+
+    Whatever its relative key (row 33), and where its vertex group lets it.
+    """
+    over, relative = over or key.id_data.reference_key, key.relative_key
+    masked = key != over and key.vertex_group in obj.vertex_groups
+    if not masked and over in (key, relative):
         return shape(key)
-    return shape(basis) + (shape(key) - shape(relative))
+    mask = groups.weights(obj, key.vertex_group)[:, None] if masked else 1.0
+    return shape(over) + mask * (shape(key) - shape(relative))
 
 
 def ensure_basis(obj):
@@ -124,10 +129,12 @@ def write_points(key, vertices):
 
 
 def remove(obj, name):
-    """Removes a key with what animates it; the reference key goes with the last other one."""
+    """Removes a key with what animates it; the choice in the list stays, or goes to the key before."""
     key = find(obj, name)
+    place, chosen = key.id_data.key_blocks.find(name), obj.active_shape_key_index
     animation.remove(key.id_data, key.path_from_id("value"))
-    obj.shape_key_remove(key)
+    obj.shape_key_remove(key)  # chooses the first of the list
+    obj.active_shape_key_index = max(0, chosen - (place <= chosen))
 
 
 def is_driven(key):

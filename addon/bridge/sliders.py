@@ -4,6 +4,8 @@ import bpy
 
 from ..core.refused import Refused
 
+STRETCH = 1000  # of the time axis of a driver's curve
+
 
 def data_path(slider):
     """The path of the custom property from its object."""
@@ -18,19 +20,26 @@ def check_name(obj, slider):
         raise Refused(f"'{slider}' is a property of all objects: choose another name for the slider")
 
 
-def add(obj, slider, description, value=0.0):
-    """Makes the custom property, 0 to 1."""
+def add(obj, slider, description, value=0.0, limits=(0.0, 1.0)):
+    """Makes the custom property, which a library override of the object may set."""
     obj[slider] = value
+    obj.property_overridable_library_set(data_path(slider), True)
     obj.id_properties_ui(slider).update(
-        min=0.0, max=1.0, soft_min=0.0, soft_max=1.0, default=0.0, description=description
+        min=limits[0],
+        max=limits[1],
+        soft_min=limits[0],
+        soft_max=limits[1],
+        default=0.0,
+        description=description,
     )
 
 
 def drive(block, path, obj, slider, corners):
     """Drives a property by the slider, along a curve through corners (core.easing.Corner).
 
-    A curve and one variable: no expression, so it plays where Python drivers are not allowed to run, and
-    the artist can bend it in the Drivers editor.
+    A curve that the artist can bend in the Drivers editor, of a product that Blender evaluates without
+    Python: it plays where scripts are not allowed to run. Blender takes points of a curve that are closer
+    than about 0.01 for one, so the curve lies over the slider in thousandths.
     """
     block.driver_remove(path)
     curve = block.driver_add(path)
@@ -41,13 +50,14 @@ def drive(block, path, obj, slider, corners):
     for point, corner in zip(curve.keyframe_points, corners, strict=True):
         point.interpolation = "BEZIER"
         point.handle_left_type = point.handle_right_type = "FREE"
-        point.co, point.handle_left, point.handle_right = corner
+        point.co, point.handle_left, point.handle_right = ((STRETCH * t, value) for t, value in corner)
     curve.extrapolation = "CONSTANT"
     curve.update()
     driver = curve.driver
-    driver.type = "SUM"
+    driver.type = "SCRIPTED"
     variable = driver.variables.new()
     variable.name = "slider"
+    driver.expression = f"{STRETCH} * slider"
     variable.targets[0].id = obj
     variable.targets[0].data_path = data_path(slider)
 

@@ -10,7 +10,10 @@ import numpy as np
 
 
 class Easing(NamedTuple):
-    """``coefficients`` of 1, t, t^2, t^3; ``inverse`` gives the t of a value. Both map [0, 1] onto itself."""
+    """``coefficients`` of 1, t, t^2, t^3; ``inverse`` gives the t of a value. Both map [0, 1] onto itself.
+
+    Beyond 0 and 1 the arc runs as the slider does.
+    """
 
     label: str
     line: str
@@ -19,7 +22,8 @@ class Easing(NamedTuple):
 
     def value(self, times):
         """e(t)."""
-        return np.polynomial.polynomial.polyval(times, self.coefficients)
+        eased = np.polynomial.polynomial.polyval(times, self.coefficients)
+        return np.where(np.abs(np.subtract(times, 0.5)) <= 0.5, eased, times)
 
     def slope(self, times):
         """e'(t)."""

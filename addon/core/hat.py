@@ -8,26 +8,48 @@ import numpy as np
 
 from .easing import bezier
 
+NEAREST = 1e-4  # what Blender's curves and the names of keys can tell apart, several times over
+
 
 def uniform_knots(count):
     """Knots of ``count`` in-betweens and both ends, (count + 2,): 0, 1/(count+1), ..., 1."""
     return np.linspace(0.0, 1.0, count + 2)
 
 
+def spread(knots, fixed):
+    """``fixed``, 0, 1, and of ``knots`` those farther than ``NEAREST`` from these; in rising order."""
+    fixed = np.union1d(fixed, [0.0, 1.0])
+    apart = np.abs(np.subtract.outer(knots, fixed)).min(axis=1) > NEAREST
+    return np.union1d(np.asarray(knots)[apart], fixed)
+
+
+def beyond(knots, shapes, least, most):
+    """Knots and shapes with one more before 0 and behind 1, where ``least`` and ``most`` reach so far.
+
+    The path goes on there as straight as it left.
+    """
+    knots, shapes = list(knots), list(shapes)
+    if least < -NEAREST:
+        shapes.insert(0, shapes[0] + (shapes[1] - shapes[0]) * least / knots[1])
+        knots.insert(0, least)
+    if most > 1 + NEAREST:
+        shapes.append(shapes[-1] + (shapes[-1] - shapes[-2]) * (most - 1) / (1 - knots[-2]))
+        knots.append(most)
+    return np.array(knots), shapes
+
+
 def corners(knots, index, easing):
     """Hat ``index`` of an eased slider t, h_i(e(t)), as corners of a Bezier curve: at most three."""
     around = np.arange(max(index - 1, 0), min(index + 2, len(knots)))
     near = np.asarray(knots, dtype=np.float64)[around]
-    times = easing.inverse(near)
+    inside = np.clip(near, 0.0, 1.0)
+    times = np.where(near == inside, easing.inverse(inside), near)
     values = (around == index) * 1.0
     slopes = np.diff(values) / np.diff(near)  # of the hat itself, piece by piece
-    eased = easing.slope(times)
-    return bezier(
-        times,
-        values,
-        np.append(slopes[:1], slopes) * eased,
-        np.append(slopes, slopes[-1:]) * eased,
-    )
+    eased = easing.slope(np.clip(times, 0.0, 1.0))
+    past = (near[:-1] < 0) | (near[1:] > 1)  # pieces on which the arc runs as the slider does
+    starts, ends = (slopes * np.where(past, 1.0, at) for at in (eased[:-1], eased[1:]))
+    return bezier(times, values, np.append(starts[:1], ends), np.append(starts, ends[-1:]))
 
 
 def weights(knots, times):

@@ -57,11 +57,11 @@ def stops(text):
             time = float(time)
         except ValueError:
             colon = ""
-        if not (colon and name.strip() and 0 < time < 1):
+        if not (colon and name.strip() and hat.NEAREST < time < 1 - hat.NEAREST):
             raise Refused(f"Through: '{part}' is not a shape key and a time between 0 and 1, as 'half: 0.5'")
         found.append((name.strip(), time))
     found.sort(key=lambda stop: stop[1])
-    again = [name for (name, time), (_, other) in pairwise(found) if time == other]
+    again = [name for (name, time), (_, other) in pairwise(found) if other - time <= hat.NEAREST]
     if again:
         raise Refused(f"Through: '{again[0]}' and another key have the same time")
     return found
@@ -91,7 +91,7 @@ def path_work(mesh, start, end, asked, obstacle=None, through=()):
             if not np.array_equal(vertices, last):
                 options |= {"clearance_end": last}
         path = yield lissom.start_inbetween(lissom.Mesh(*mesh), start, end, **options)
-        knots, said = np.union1d(hat.uniform_knots(asked.count), [time for time, _ in through]), []
+        knots, said = hat.spread(hat.uniform_knots(asked.count), [time for time, _ in through]), []
         search = asked.start_knots(path)
         if search is not None:
             found = yield search

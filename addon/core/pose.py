@@ -102,6 +102,12 @@ class BoundPose:
         self._motion = None
         self._warm = False
 
+    def beyond_half_a_turn(self):
+        """(h,) bool: the handles that had turned so far, all told, at the last solve."""
+        if self._motion is None or self._motion.turns is None:
+            return np.zeros(self._handles, dtype=bool)
+        return np.linalg.norm(self._motion.turns, axis=1) > np.pi
+
     def fits(self, vertices, corners, asked):
         """True while mesh, method and options are the ones this pose was made for."""
         return (

@@ -71,6 +71,25 @@ def part_motion(first_rest, rest, first_now, now):
     return None if off[:3, :3].max() <= STILL and off[:3, 3].max() <= STILL * reach else motion
 
 
+def applied(world_before, world_now, before, now):
+    """The change of an object's coordinates (4, 4) where its transforms were applied or its origin was set.
+
+    ``before`` and ``now`` are (k, 3) vertices in these coordinates, the worlds the object's matrices (4, 4).
+    None where the vertices did not move, or not so that all of them stay where they are in the scene.
+    """
+    if np.array_equal(np.float32(before), np.float32(now)) or not abs(np.linalg.det(world_now)) > 0:
+        return None
+    change = np.linalg.inv(world_now) @ world_before
+    change[3] = 0.0, 0.0, 0.0, 1.0
+    moved = before @ change[:3, :3].T + change[:3, 3]
+    reach = (
+        np.abs(change[:3, :3]).sum() * np.abs(before).max() + np.abs(change[:3, 3]).max() + np.abs(now).max()
+    )
+    if np.allclose(change, np.eye(4), atol=STILL) or not np.abs(moved - now).max() <= 10 * STILL * reach:
+        return None
+    return change
+
+
 def handle_transforms(linear, rest, posed):
     """Rest -> posed in solve space, (h, 4, 4), from handle matrices in object coordinates (h, 4, 4) each.
 
@@ -78,4 +97,6 @@ def handle_transforms(linear, rest, posed):
     """
     lift = np.eye(4)
     lift[:3, :3] = linear
-    return lift @ posed @ np.linalg.inv(rest) @ np.linalg.inv(lift)
+    transforms = lift @ posed @ np.linalg.inv(rest) @ np.linalg.inv(lift)
+    transforms[:, 3] = 0.0, 0.0, 0.0, 1.0  # Blender's matrices are not affine to the last bit
+    return transforms

@@ -46,8 +46,8 @@ class LISSOM_OT_inbetween_bake(BakeOperator, PathSettings, ArcSettings, bpy.type
     exists: exists_property("UPDATE")
     prepare_keys: BoolProperty(
         name="Prepare Keys",
-        description="Set the start key to 1 and the end key to 0, so that the slider alone plays from one to "
-        "the other. Driven, animated or locked keys are left as they are",
+        description="Set the start key to 1 and the end key to 0, whose value the slider takes, so that the "
+        "slider alone plays from one to the other. Driven, animated or locked keys are left as they are",
         default=True,
     )
 

@@ -4,7 +4,7 @@ import bpy
 from bpy.props import EnumProperty, StringProperty
 
 from .. import rebind, session
-from ..bridge import checks, empties, meshes, poses, shape_keys
+from ..bridge import applied, checks, empties, meshes, poses, shape_keys
 from ..core import names, space
 from ..core.pose_options import Asked, by_name, options_of
 from ..core.refused import Refused, first
@@ -96,7 +96,8 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
             raise Refused(
                 f"The handles of '{obj.name}' were changed meanwhile: nothing was written, run again"
             )
-        warnings = [*result.warnings, checks.shared_data(obj)]
+        left_out = poses.left_out(obj)
+        warnings = [*result.warnings, checks.shared_data(obj), *left_out]
         settings.made_basis = obj.data.shape_keys is None
         basis = shape_keys.ensure_basis(obj)
         settings.preview = names.unused(PREVIEW, obj.data.shape_keys.key_blocks.keys())
@@ -107,9 +108,11 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
         settings.linear = self._mesh.linear.ravel()
         poses.keep(settings, result.asked)
         poses.mute_baked(obj, True)
+        applied.note(obj)
         settings.bound = True
         session.poses[obj.session_uid] = result
-        session.status[obj.name] = ("CHECKMARK", "Bound: move an Empty")
+        told = ("INFO", left_out[0]) if left_out else ("CHECKMARK", "Bound: move an Empty")
+        session.status[obj.name] = told
         for warning in filter(None, warnings):
             self.report({"WARNING"}, warning)
 

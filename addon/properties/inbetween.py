@@ -125,7 +125,7 @@ class LissomArcKey(bpy.types.PropertyGroup):
     """A baked shape key, by name."""
 
     name: StringProperty(name="Shape Key")
-    time: FloatProperty(name="Time", description="Where on the arc it lies, 0 to 1")
+    time: FloatProperty(name="Time", description="Where on the arc it lies: 0 to 1, or beyond")
 
 
 class LissomArc(PathSettings, ArcSettings, bpy.types.PropertyGroup):

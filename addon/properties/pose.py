@@ -12,6 +12,7 @@ from bpy.props import (
 )
 
 from .. import rebind
+from ..bridge.applied import PROBES
 from ..core.pose_options import METHODS, OPTIONS
 from .options import option_property
 
@@ -150,6 +151,9 @@ class LissomPose(bpy.types.PropertyGroup):
     preview: StringProperty(options={"HIDDEN"}, description="Name of the shape key that shows the pose")
     made_basis: BoolProperty(options={"HIDDEN"}, description="Bind gave the mesh its first shape key")
     topology: StringProperty(options={"HIDDEN"}, description="Hash of the faces at Bind")
+    probes: FloatVectorProperty(
+        size=3 * PROBES, options={"HIDDEN"}, description="Some vertices of the rest shape when last looked at"
+    )
     linear: FloatVectorProperty(
         size=9, options={"HIDDEN"}, description="Rotation and scale of the object that Bind applied, by rows"
     )

@@ -39,12 +39,13 @@ def cubic(corners, times):
     return values
 
 
+@pytest.mark.parametrize("knots", [KNOTS, [-0.5, *KNOTS], [*KNOTS, 1.7], [-0.2, *KNOTS, 3.0]])
 @pytest.mark.parametrize("name", EASINGS)
-def test_the_corners_hold_the_eased_hat_exactly(name):
-    easing, times = EASINGS[name], np.linspace(0, 1, 97)
-    expected = hat.weights(KNOTS, easing.value(times))
-    for index in range(5):
-        corners = hat.corners(KNOTS, index, easing)
+def test_the_corners_hold_the_eased_hat_exactly(name, knots):
+    easing, times = EASINGS[name], np.linspace(knots[0], knots[-1], 97)
+    expected = hat.weights(knots, easing.value(times))
+    for index in range(len(knots)):
+        corners = hat.corners(knots, index, easing)
         inside = (times >= corners[0].point[0]) & (times <= corners[-1].point[0])
         assert_allclose(cubic(corners, times[inside]), expected[inside, index], atol=1e-14)
         assert not expected[~inside, index].any()
@@ -68,3 +69,31 @@ def test_the_first_and_the_last_hat_have_two_corners():
 
 def test_uniform_knots_count_the_in_betweens_only():
     assert_allclose(hat.uniform_knots(3), [0, 0.25, 0.5, 0.75, 1])
+
+
+def test_knots_give_way_to_those_that_are_fixed():
+    draw = np.random.default_rng(5).uniform(size=(40, 3))
+    for fixed in np.round(draw, 4):
+        for count in (1, 9, 99):
+            knots = hat.uniform_knots(count)
+            found = hat.spread(knots, fixed)
+            assert set(fixed) | {0.0, 1.0} <= set(found)
+            if np.diff(np.unique(fixed)).min() > hat.NEAREST:
+                assert np.diff(found).min() > 0.9 * hat.NEAREST
+            assert np.abs(np.subtract.outer(knots, found)).min(axis=1).max() <= hat.NEAREST
+
+
+@pytest.mark.parametrize(
+    ("least", "most"), [(0, 1), (0.2, 0.9), (-0.5, 1), (0, 1.5), (-2, 3), (-1e-6, 1 + 1e-6)]
+)
+def test_beyond_its_ends_a_path_goes_on_straight(least, most):
+    shapes = np.random.default_rng(1).normal(size=(5, 4, 3))
+    knots, extended = hat.beyond(KNOTS, shapes, least, most)
+    reach = [end for end in (least, most) if not -1e-3 < end < 1 + 1e-3]
+    assert_array_equal(knots, sorted([*KNOTS, *reach]))
+    for time in np.linspace(knots[0], knots[-1], 40):
+        found = np.tensordot(hat.weights(knots, time)[0], extended, axes=1)
+        within = np.clip(time, 0, 1)
+        known = np.tensordot(hat.weights(KNOTS, within)[0], shapes, axes=1)
+        speed = (shapes[1] - shapes[0]) / 0.1 if time < 0 else (shapes[4] - shapes[3]) / 0.2
+        assert_allclose(found, known + (time - within) * speed, atol=1e-12)

@@ -9,7 +9,18 @@ def test_stops_are_read_in_the_order_of_their_times():
 
 
 @pytest.mark.parametrize(
-    "text", ["half", "half: soon", ": 0.5", "half: 0", "half: 1", "half: nan", "a: 0.5, b"]
+    "text",
+    [
+        "half",
+        "half: soon",
+        ": 0.5",
+        "half: 0",
+        "half: 1",
+        "half: nan",
+        "half: 1e-5",
+        "half: 0.99999",
+        "a: 0.5, b",
+    ],
 )
 def test_what_is_no_stop_is_named(text):
     with pytest.raises(Refused, match="is not a shape key and a time between 0 and 1"):
@@ -19,3 +30,5 @@ def test_what_is_no_stop_is_named(text):
 def test_two_stops_at_one_time():
     with pytest.raises(Refused, match="'a' and another key have the same time"):
         stops("a: 0.5, b: 0.50")
+    with pytest.raises(Refused, match="'a' and another key have the same time"):
+        stops("b: 0.50005, a: 0.5")

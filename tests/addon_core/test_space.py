@@ -85,3 +85,30 @@ def test_the_motion_of_a_part_is_that_in_the_first_objects_coordinates():
     in_solve_space = point[:3] - MATRIX[:3, 3]
     seen = MATRIX[:3, :3] @ (np.linalg.inv(first) @ now @ point)[:3]
     assert_allclose(motion[:3, :3] @ in_solve_space + motion[:3, 3], seen, atol=1e-12)
+
+
+def test_what_stays_where_it_is_in_the_scene_was_applied():
+    draw = np.random.default_rng(4)
+    for _ in range(20):
+        before, change = np.eye(4), np.eye(4)
+        before[:3], change[:3] = draw.normal(size=(2, 3, 4))
+        points = draw.normal(size=(8, 3)).astype(np.float32)
+        now = np.float32(points @ change[:3, :3].T + change[:3, 3])
+        world = before @ np.linalg.inv(change)
+        assert_allclose(space.applied(before, world, points, now), change, atol=1e-9)
+        assert space.applied(before, before, points, now) is None  # an edit of the mesh
+        assert space.applied(before, world, points, points) is None  # the object alone moved
+        now[3] += 0.01
+        assert space.applied(before, world, points, now) is None
+        assert space.applied(before, np.zeros((4, 4)), points, now) is None
+
+
+def test_handles_are_affine_whatever_rounding_blender_left_in_their_matrices():
+    draw = np.random.default_rng(6)
+    rest, posed = draw.normal(size=(2, 5, 4, 4))
+    rest[:, 3] = posed[:, 3] = 0, 0, 0, 1
+    exact = space.handle_transforms(MATRIX[:3, :3], rest, posed)
+    posed[:, 3] += 6e-8 * draw.normal(size=(5, 4))
+    found = space.handle_transforms(MATRIX[:3, :3], rest, posed)
+    assert (found[:, 3] == [0, 0, 0, 1]).all()
+    assert_allclose(found, exact, atol=1e-4)

@@ -37,6 +37,23 @@ def test_an_eased_slider_plays_the_path_at_eased_times(easing, playback):
         assert_allclose(scene.shown(obj), np.tensordot(weights, shapes, axes=1), atol=2e-5)
 
 
+@pytest.mark.parametrize("easing", EASINGS)
+@pytest.mark.parametrize(
+    ("count", "through"), [(100, ""), (50, ""), (9, "half: 0.5003"), (3, "half: 0.0002")]
+)
+def test_keys_however_near_each_other_play_as_hats(count, through, easing):
+    obj = keyed_tube(rings=6, around=8)
+    bake(count=count, through=through, easing=easing)
+    arc, times = obj.lissom_inbetween.arcs["full arc"], knots(obj)
+    draw = np.random.default_rng(count).uniform(size=15)
+    near = EASINGS[easing].inverse(np.clip(np.add.outer(times[::7], [-1e-4, 0, 1e-4]), 0, 1)).ravel()
+    keys = [obj.data.shape_keys.key_blocks[key.name] for key in arc.keys]
+    for time in np.float32([*draw, *near]).tolist():
+        slide(obj, "full arc", time)
+        expected = hat.weights(times, EASINGS[easing].value(time))[0, 1:]
+        assert_allclose([key.value for key in keys], expected, atol=5e-3)
+
+
 @pytest.mark.parametrize("scale", [1.0, 10.0])
 @pytest.mark.parametrize("playback", ["RELATIVE", "ABSOLUTE"])
 def test_the_fewest_keys_stay_within_the_tolerance_in_scene_units(playback, scale):
@@ -91,17 +108,6 @@ def test_absolute_keys_are_played_by_the_evaluation_time():
     assert keys.eval_time == 0
     assert len(keys.animation_data.drivers) == 0
     assert scene.snapshot() == before
-
-
-def test_absolute_keys_honour_the_mask_of_the_end_key():
-    obj = keyed_tube()
-    scene.group(obj, "upper", lambda co: co.z > 0)
-    key = obj.data.shape_keys.key_blocks["full"]
-    key.vertex_group, key.value = "upper", 1
-    masked = scene.shown(obj)
-    bake(playback="ABSOLUTE")
-    slide(obj, "full arc", 1.0)
-    assert_allclose(scene.shown(obj), masked, atol=1e-5)
 
 
 def test_a_second_arc_beside_an_absolute_one_is_refused():
@@ -234,6 +240,32 @@ def test_the_animation_of_the_end_key_moves_to_the_slider_and_back():
     )
     bpy.context.scene.frame_set(11)
     assert keys.key_blocks["full"].value == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("easing", EASINGS)
+@pytest.mark.parametrize("playback", ["RELATIVE", "ABSOLUTE"])
+@pytest.mark.parametrize("limits", [(-0.5, 1.5), (0, 2), (-1, 1)])
+@pytest.mark.parametrize("start", ["", "half"])
+def test_animation_beyond_the_ends_goes_on_straight(start, limits, playback, easing):
+    obj = keyed_tube(rings=12, around=8)
+    full = obj.data.shape_keys.key_blocks["full"]
+    full.slider_min, full.slider_max = limits
+    frames = np.linspace(*limits, 9)
+    for frame, value in enumerate(frames):
+        full.value = value
+        full.keyframe_insert("value", frame=frame)
+    path = native_path(obj, start or "Basis", "full")
+    bake(count=3, start=start, playback=playback, easing=easing)
+    bpy.ops.lissom.inbetween_rename(object="Tube", slider="full arc", name="s")
+    shapes = path.at(np.linspace(0, 1, 5))
+    for frame, value in enumerate(frames):
+        bpy.context.scene.frame_set(frame)
+        assert obj["s"] == pytest.approx(value)
+        within = np.clip(value, 0, 1)
+        weights = hat.weights(np.linspace(0, 1, 5), EASINGS[easing].value(within))[0]
+        speed = 4 * (shapes[1] - shapes[0] if value < 0 else shapes[4] - shapes[3])
+        expected = np.tensordot(weights, shapes, axes=1) + (value - within) * speed
+        assert_allclose(scene.shown(obj), expected, atol=3e-5)
 
 
 def test_animation_that_others_use_too_stays_and_is_said():

@@ -420,6 +420,19 @@ def test_reset_and_unbind_leave_the_mesh_as_it_was():
     bpy.ops.lissom.pose_bind(object=obj.name)
 
 
+@pytest.mark.parametrize("chosen", [0, 1, 2])
+def test_bind_and_unbind_leave_the_chosen_key_chosen(chosen):
+    obj = scene.tube(rings=12, around=8)
+    for number in range(2):
+        scene.add_key(obj, f"key {number}", scene.points(obj.data.vertices))
+    obj.active_shape_key_index = chosen
+    scene.group(obj, "top", lambda co: co.z > 2.5)
+    bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="top")
+    bpy.ops.lissom.pose_bind(object=obj.name)
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    assert obj.active_shape_key_index == chosen
+
+
 def test_unbind_keeps_applied_poses_and_other_keys():
     obj = scene.tube()
     scene.add_key(obj, "Other", scene.points(obj.data.vertices))
@@ -606,6 +619,49 @@ def test_row_35_mesh_data_with_several_users_is_said(capfd):
     bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="top")
     assert bpy.ops.lissom.pose_bind(object=obj.name) == {"FINISHED"}
     assert "Warning: The mesh of 'Tube' is used by 3 objects" in capfd.readouterr().out
+
+
+def rigged(obj):
+    """An armature of one bone that moves all of the object; returns the pose bone."""
+    data = bpy.data.armatures.new("Rig")
+    rig = bpy.data.objects.new("Rig", data)
+    bpy.context.collection.objects.link(rig)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    data.edit_bones.new("bone").tail = (0, 0.3, 1)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    scene.group(obj, "bone", lambda co: True)
+    obj.modifiers.new("Armature", "ARMATURE").object = rig
+    return rig.pose.bones["bone"]
+
+
+@pytest.mark.parametrize(
+    "seen", ["nothing", "key", "muted key", "rest", "pose", "constraint", "smooth", "hidden"]
+)
+def test_what_is_seen_and_not_posed_is_said_at_bind(seen, capfd):
+    obj = scene.tube(rings=12, around=8)
+    scene.group(obj, "top", lambda co: co.z > 2.5)
+    if "key" in seen:
+        moved_key = scene.points(obj.data.vertices) + [1, 0, 0]
+        scene.add_key(obj, "smile", moved_key, value=0.5, mute=seen == "muted key")
+    if seen in ("rest", "pose", "constraint"):
+        bone = rigged(obj)
+        if seen == "pose":
+            bone.location.x = 0.4
+        if seen == "constraint":
+            limit = bone.constraints.new("LIMIT_LOCATION")
+            limit.use_min_x, limit.min_x = True, 0.3
+    if seen in ("smooth", "hidden"):
+        obj.modifiers.new("Smooth", "SMOOTH").show_viewport = seen == "smooth"
+    bpy.context.view_layer.update()
+    basis = scene.points(obj.data.vertices)
+    moved_now = np.abs(scene.shown(obj) - basis).max() > 1e-6
+    bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="top")
+    assert bpy.ops.lissom.pose_bind(object=obj.name) == {"FINISHED"}
+    said = capfd.readouterr().out
+    assert ("The pose starts from the Basis" in said) == moved_now
+    assert ("The pose starts from the Basis" in session.status[obj.name][1]) == moved_now
+    assert moved_now == (seen in ("key", "pose", "constraint", "smooth"))
 
 
 @pytest.mark.parametrize("scale", [(1, 1, 0), (0, 0, 0)])
