@@ -446,3 +446,17 @@ def test_parts_of_an_obstacle_may_overlap():
 
     assert depth(plain) > 0.2
     assert depth(held) < 0.01  # what the facets of the balls are off the spheres
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_averaged_turns_are_continuous_in_time_where_triangles_fold_over(seed):
+    """Noise up to the length of an edge, and neighbours that change places."""
+    random = np.random.default_rng(seed)
+    start, faces = tube(rows=12, columns=10)
+    end = start + random.normal(size=start.shape) * random.uniform(0.02, 0.06) * diagonal(start)
+    swapped = faces[random.integers(len(faces), size=3), :2]
+    end[swapped] = end[swapped[:, ::-1]]
+    path = lissom.Inbetween(lissom.Mesh(start, faces), start, end, rotation="relative")
+    assert any("turn over" in line for line in path.warnings)
+    steps = np.linalg.norm(np.diff(path.at(np.linspace(0, 1, 1001)), axis=0), axis=2).max(1)
+    assert steps.max() < 20 * np.median(steps)

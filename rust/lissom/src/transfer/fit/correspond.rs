@@ -90,8 +90,8 @@ pub fn fit_correspondence(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Vec3;
     use crate::Error;
+    use crate::Vec3;
     use crate::transfer::testing::{bumpy_grid, grid, nosed_sphere};
 
     fn fit(source: &Mesh, target: &Mesh, markers: &[[u32; 2]]) -> Result<Fit> {
