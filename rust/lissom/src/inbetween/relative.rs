@@ -21,7 +21,8 @@
 
 use rayon::prelude::*;
 
-use super::branches::{TreeEdge, Turn};
+use super::branches::TreeEdge;
+use super::turn::Turn;
 use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
 use crate::{Job, Mat3, Mesh, Result, Vec3, rotation};
 
