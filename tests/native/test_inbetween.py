@@ -469,7 +469,7 @@ def noisy(shape, random, size):
 @pytest.mark.parametrize("rotation", ["consistent", "relative", "shortest"])
 @pytest.mark.parametrize("seed", range(4))
 def test_parts_that_turn_by_half_a_turn_go_the_same_way(rotation, seed):
-    """Pages that nothing holds, about a common spine, up to noise: each stays as it is, and all pass on one side."""
+    """Pages that nothing holds, about a common spine, up to noise: all stay flat and pass on one side."""
     random = np.random.default_rng(seed)
     page = np.stack(
         [*np.meshgrid(np.linspace(0, 1, 6), np.linspace(0, 1.5, 7)), np.zeros((7, 6))], -1
