@@ -446,3 +446,61 @@ def test_parts_of_an_obstacle_may_overlap():
 
     assert depth(plain) > 0.2
     assert depth(held) < 0.01  # what the facets of the balls are off the spheres
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_averaged_turns_are_continuous_in_time_where_triangles_fold_over(seed):
+    """Noise up to the length of an edge, and neighbours that change places."""
+    random = np.random.default_rng(seed)
+    start, faces = tube(rows=12, columns=10)
+    end = start + random.normal(size=start.shape) * random.uniform(0.02, 0.06) * diagonal(start)
+    swapped = faces[random.integers(len(faces), size=3), :2]
+    end[swapped] = end[swapped[:, ::-1]]
+    path = lissom.Inbetween(lissom.Mesh(start, faces), start, end, rotation="relative")
+    assert any("turn over" in line for line in path.warnings)
+    steps = np.linalg.norm(np.diff(path.at(np.linspace(0, 1, 1001)), axis=0), axis=2).max(1)
+    assert steps.max() < 20 * np.median(steps)
+
+
+def noisy(shape, random, size):
+    return shape + random.normal(size=shape.shape) * size
+
+
+@pytest.mark.parametrize("rotation", ["consistent", "relative", "shortest"])
+@pytest.mark.parametrize("seed", range(4))
+def test_parts_that_turn_by_half_a_turn_go_the_same_way(rotation, seed):
+    """Pages that nothing holds, about a common spine, up to noise: all stay flat and pass on one side."""
+    random = np.random.default_rng(seed)
+    page = np.stack(
+        [*np.meshgrid(np.linspace(0, 1, 6), np.linspace(0, 1.5, 7)), np.zeros((7, 6))], -1
+    ).reshape(-1, 3)
+    pages = [page + [0.02, 0, 0.02 * k] for k in range(6)]
+    faces = np.vstack([grid_faces(7, 6) + len(page) * k for k in range(6)])
+    pose = rigid(random.normal(size=3), random.uniform(0, np.pi))[:3, :3]
+    start = np.vstack(pages) @ pose.T
+    end = noisy(np.vstack(pages) * [-1, 1, -1] @ pose.T, random, 1e-5)
+    path = lissom.Inbetween(lissom.Mesh(start, faces), start, end, rotation=rotation)
+    quarter = rigid((0, 1, 0), np.pi / 2)[:3, :3]
+    ways = [np.vstack(pages) @ turn.T @ pose.T for turn in (quarter, quarter.T)]
+    half_way = path.at([0.5])[0]
+    assert min(np.abs(half_way - way).max() for way in ways) < 1e-3
+    back = lissom.Inbetween(lissom.Mesh(start, faces), noisy(end, random, 1e-5), start, rotation=rotation)
+    assert np.abs(back.at([0.5])[0] - half_way).max() < 1e-3
+    if rotation != "shortest":
+        assert any("half a turn" in line and "6 in all" in line for line in path.warnings)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_twist_beyond_half_a_turn_stays_on_its_axis(seed):
+    random = np.random.default_rng(seed)
+    start, faces = tube(rows=60, columns=20, length=6, bumps=0)
+    start[:, 1:] *= random.uniform(0.1, 0.5)
+    along = (start[:, 0] - start[:, 0].min()) / np.ptp(start[:, 0])
+    angles = np.clip(1.1 * along - 0.05, 0, 1) * random.uniform(1.1, 3.5) * np.pi
+    c, s = np.cos(angles), np.sin(angles)
+    y, z = start[:, 1], start[:, 2]
+    end = np.stack([start[:, 0], c * y - s * z, s * y + c * z], 1)
+    end[angles == 0] = start[angles == 0]
+    for x in lissom.Inbetween(lissom.Mesh(start, faces), start, end).at([0.25, 0.5, 0.75]):
+        rings = np.array([x[start[:, 0] == at].mean(0) for at in np.unique(start[:, 0])])
+        assert np.abs(rings[:, 1:]).max() < 0.01

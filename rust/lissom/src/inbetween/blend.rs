@@ -15,8 +15,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::branches::Turn;
 use super::shapes::{Shapes, Targets};
+use super::turn::Turn;
 use crate::stitch::HatGradients;
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, memory, rotation};
 

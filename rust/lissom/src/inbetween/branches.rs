@@ -15,23 +15,16 @@
 //! Last, what lies beyond half a turn must pay: a patch of such triangles whose border agrees better
 //! with its shortest turns takes those.
 //!
-//! Near a whole turn the axis of `log R` is noise. Beyond half a turn a triangle therefore turns about
-//! the axis that it inherits, by its *twist* about that axis with whole turns counted, and what is
-//! left of its rotation, the *swing*, is a second factor:
-//!
-//! ```text
-//!     R(t) = exp(t angle axis) exp(t swing)
-//! ```
-//!
-//! Reversed in time this is of the same form, about the same axis.
+//! Beyond half a turn a whole patch turns about one axis, with whole turns counted (`turn`).
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
 use super::rotations::TriangleMotion;
+use super::turn::{Turn, is_half, sided_log};
 use crate::geometry::groups::Groups;
 use crate::geometry::rows::Rows;
 use crate::matrix::norm_squared;
@@ -47,55 +40,18 @@ const REGION: u32 = 16;
 /// `|R - R'|_F^2` of a right angle; neighbours that turn apart by more fold over each other.
 const RIGHT_ANGLE: f64 = 4.0;
 
+/// Rotation vectors whose sum is at least this share of their lengths' sum are about one axis; those of crumples are not.
+const ONE_AXIS: f64 = 0.8;
+
 /// Dual edges to a triangle without a rotation come after all others: `|R - R'|_F^2` is at most 8.
 const LAST: f64 = 9.0;
 
-/// A turn that knows its way: `exp(t angle axis) exp(t swing)`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Turn {
-    axis: Vec3,
-    angle: f64,
-    swing: Vec3,
-}
-
-impl Turn {
-    pub const NONE: Self = Self { axis: Vec3::ZERO, angle: 0.0, swing: Vec3::ZERO };
-
-    /// About one axis, by a rotation vector.
-    pub fn about(omega: Vec3) -> Self {
-        let angle = omega.length();
-        let axis = if angle > 0.0 { omega / angle } else { Vec3::ZERO };
-        Self { axis, angle, swing: Vec3::ZERO }
-    }
-
-    /// Rotation vector, as far as the two factors have one.
-    pub fn omega(&self) -> Vec3 {
-        self.axis * self.angle + self.swing
-    }
-
-    /// The rotation at time `t`.
-    pub fn at(&self, t: f64) -> Mat3 {
-        let main = rotation::exp(self.axis * (t * self.angle));
-        if self.swing == Vec3::ZERO { main } else { main * rotation::exp(self.swing * t) }
-    }
-
-    /// The way to `r` nearest to this one.
-    fn nearest_to(&self, r: Mat3) -> Self {
-        let q = glam::DQuat::from_mat3(&r);
-        let twist = 2.0 * Vec3::new(q.x, q.y, q.z).dot(self.axis).atan2(q.w);
-        let angle = twist + TAU * ((self.angle - twist) / TAU).round();
-        if angle.abs() > PI {
-            let swing = rotation::log(rotation::exp(-self.axis * angle) * r);
-            return Self { axis: self.axis, angle, swing };
-        }
-        Self::about(rotation::nearest_branch(rotation::log(r), self.omega()))
-    }
-}
-
 /// Each triangle by the least angle, whatever its neighbours do.
-pub(super) fn shortest(motions: &[TriangleMotion]) -> Vec<Turn> {
-    let turn = |m: &TriangleMotion| m.rotation().map_or(Turn::NONE, |r| Turn::about(rotation::log(r)));
-    motions.par_iter().map(turn).collect()
+pub(super) fn shortest(motions: &[TriangleMotion], drift: impl Fn(usize) -> Vec3 + Sync) -> Vec<Turn> {
+    let turn = |(t, m): (usize, &TriangleMotion)| {
+        m.rotation().map_or(Turn::NONE, |r| Turn::about(sided_log(r, drift(t))))
+    };
+    motions.par_iter().enumerate().map(turn).collect()
 }
 
 /// Each triangle by the branch nearest to its neighbour's, along the minimum spanning tree (Prim).
@@ -103,13 +59,15 @@ pub(super) fn shortest(motions: &[TriangleMotion]) -> Vec<Turn> {
 /// `moved` counts the vertices of each triangle that move. Triangles at rest are the roots. A
 /// component without any starts from the triangle that turns least: of those held by most vertices,
 /// since a whole turn looks like none, and of those outside crumples. Triangles without a rotation
-/// take their neighbour's. With the turns come the steps of the walk, in order.
+/// take their neighbour's. `drift` is how far the component of a triangle goes. With the turns come the steps of
+/// the walk, in order, and the roots that might as well turn the other way.
 pub(super) fn consistent(
     neighbours: &Neighbours,
     motions: &[TriangleMotion],
     moved: &[u8],
+    drift: impl Fn(usize) -> Vec3,
     job: &Job,
-) -> Result<(Vec<Turn>, Vec<TreeEdge>)> {
+) -> Result<(Vec<Turn>, Vec<TreeEdge>, Vec<u32>)> {
     let mut walk = Walk {
         neighbours,
         motions,
@@ -133,15 +91,23 @@ pub(super) fn consistent(
         })
         .collect();
     roots.par_sort_unstable();
+    let mut halves = Vec::new();
     for (.., root) in roots {
-        if walk.turns[root as usize].is_none() {
+        let t = root as usize;
+        if walk.turns[t].is_none() {
+            if let Some(r) = motions[t].rotation() {
+                let omega = sided_log(r, drift(t));
+                walk.handed_on[t] = Turn::about(omega);
+                halves.extend(is_half(omega).then_some(root));
+            }
             queue.push(Reverse((0, root, root)));
             walk.run(&mut queue, job)?;
         }
     }
     let mut turns: Vec<Turn> = walk.turns.into_iter().map(|turn| turn.unwrap_or(Turn::NONE)).collect();
     drop_unpaid(neighbours, motions, &mut turns);
-    Ok((turns, walk.steps))
+    share_axes(neighbours, motions, &mut turns);
+    Ok((turns, walk.steps, halves))
 }
 
 /// A walk in progress.
@@ -225,6 +191,29 @@ fn drop_unpaid(neighbours: &Neighbours, motions: &[TriangleMotion], turns: &mut 
     }
 }
 
+/// Turns every patch beyond half a turn about one axis, the mean of those along its border. Each triangle there has a
+/// tilt of its own, by its shear, and handed on alone would lean the whole patch.
+fn share_axes(neighbours: &Neighbours, motions: &[TriangleMotion], turns: &mut [Turn]) {
+    let beyond: Vec<bool> = turns.iter().map(|turn| turn.angle.abs() > PI).collect();
+    for patch in neighbours.patches(|t, s, _| beyond[t] && beyond[s]).iter() {
+        if !beyond[patch[0] as usize] {
+            continue;
+        }
+        let around = patch.iter().flat_map(|&t| neighbours.of_triangle(t)).map(|(_, s)| *s as usize);
+        let border: Vec<Vec3> = around.filter(|&s| !beyond[s]).map(|s| turns[s].omega()).collect();
+        let (sum, size) = (border.iter().sum::<Vec3>(), border.iter().map(|o| o.length()).sum::<f64>());
+        if patch.len() < REGION as usize || sum.length() < ONE_AXIS * size {
+            continue;
+        }
+        let Some(axis) = sum.try_normalize() else { continue };
+        for &t in patch {
+            let (turn, motion) = (turns[t as usize], motions[t as usize]);
+            let shared = Turn { axis, angle: turn.angle * turn.axis.dot(axis).signum(), swing: Vec3::ZERO };
+            turns[t as usize] = motion.rotation().map_or(shared, |r| shared.nearest_to(r));
+        }
+    }
+}
+
 /// `|a - b|_F^2 = 8 sin^2(angle / 2)` between rotations: grows with the angle between them.
 fn distance(a: Mat3, b: Mat3) -> f64 {
     norm_squared(a - b)
@@ -290,52 +279,13 @@ impl Neighbours {
 mod tests {
     use super::*;
 
-    fn apart(a: Mat3, b: Mat3) -> f64 {
-        distance(a, b).sqrt()
-    }
-
-    #[test]
-    fn the_nearest_turn_leads_to_the_rotation_and_back() {
-        let near = Turn::about(Vec3::new(0.2, -0.1, 1.0).normalize() * 9.0);
-        for tilt in [Vec3::ZERO, Vec3::X * 0.1, Vec3::new(-0.5, 0.3, 0.1)] {
-            let r = near.at(1.0) * rotation::exp(tilt);
-            let turn = near.nearest_to(r);
-            assert!(apart(turn.at(1.0), r) < 1e-12 && apart(turn.at(0.0), Mat3::IDENTITY) == 0.0);
-            assert!((turn.angle - 9.0).abs() < 0.3 && turn.swing.length() < 0.7, "{turn:?}");
-        }
-    }
-
-    #[test]
-    fn reversed_in_time_a_turn_is_the_turn_of_the_inverse() {
-        let near = Turn::about(Vec3::Y * 7.0);
-        let turn = near.nearest_to(near.at(1.0) * rotation::exp(Vec3::new(0.3, 0.2, -0.4)));
-        let back = Turn::about(-Vec3::Y * 7.0).nearest_to(turn.at(1.0).transpose());
-        for t in [0.2, 0.5, 0.9] {
-            assert!(apart(back.at(1.0 - t), turn.at(t) * turn.at(1.0).transpose()) < 1e-12);
-        }
-    }
-
-    #[test]
-    fn near_a_whole_turn_the_axis_is_inherited() {
-        let near = Turn::about(Vec3::Z * 6.2);
-        let turn = near.nearest_to(rotation::exp(Vec3::X * 0.01));
-        assert!((turn.angle - TAU).abs() < 1e-12 && turn.axis == Vec3::Z);
-        assert!((turn.swing - Vec3::X * 0.01).length() < 1e-12);
-    }
-
-    #[test]
-    fn below_half_a_turn_the_shortest_is_taken() {
-        let turn = Turn::about(Vec3::Z * 3.0).nearest_to(rotation::exp(Vec3::X * 0.01));
-        assert!((turn.omega() - Vec3::X * 0.01).length() < 1e-12);
-    }
-
     /// Turns about z of triangles whose rotations are by `degrees`, the first of them at rest.
     fn walked(degrees: &[f64], pairs: &[[u32; 2]]) -> Vec<f64> {
         let turn = |d: &f64| TriangleMotion::Turns(rotation::exp(Vec3::Z * d.to_radians()));
         let motions: Vec<TriangleMotion> = degrees.iter().map(turn).collect();
         let moved: Vec<u8> = (0..motions.len()).map(|t| if t == 0 { 0 } else { 3 }).collect();
         let neighbours = Neighbours::joining(pairs, &motions);
-        let (turns, _) = consistent(&neighbours, &motions, &moved, &Job::default()).unwrap();
+        let (turns, ..) = consistent(&neighbours, &motions, &moved, |_| Vec3::ZERO, &Job::default()).unwrap();
         turns.iter().map(|turn| turn.omega().z.to_degrees().round()).collect()
     }
 

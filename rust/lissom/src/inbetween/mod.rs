@@ -26,6 +26,7 @@
 //! | file | |
 //! |---|---|
 //! | `rotations` | `R_t`: the polar decomposition of each triangle's gradient |
+//! | `turn` | one rotation over time: its axis, whole turns, half a turn |
 //! | `branches` | `R_t(t)`: which logarithm of `R_t`, so that neighbours turn together |
 //! | `relative` | `R_t(t)` from the rotations between neighbours instead |
 //! | `stretch` | `S(t)`: in equal steps or by equal factors |
@@ -52,6 +53,7 @@ mod route;
 mod screw;
 mod shapes;
 mod stretch;
+mod turn;
 
 pub use blend::Blend;
 pub use keyframes::Keyframes;

@@ -10,13 +10,13 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::branches::Turn;
 use super::clearance::Clearance;
 use super::options::{InbetweenOptions, Rotation};
 use super::relative::Relative;
 use super::screw::Screw;
 use super::shapes::{Shapes, Targets};
 use super::stretch::{self, Stretch, shares};
+use super::turn::Turn;
 use crate::geometry::triangle::normal_and_area;
 use crate::stitch::{HatGradients, Volumes};
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, memory};
@@ -82,6 +82,10 @@ impl Inbetween {
         warnings.extend(Fault::at("end", problem, found.inverted).map(|fault| fault.to_string()));
 
         let firsts: Vec<usize> = mesh.components().members().iter().map(|m| m[0] as usize).collect();
+        let problem = "parts that turn by half a turn, where either way round is as near, named by their first vertex; \
+                       a shape half way tells which";
+        let halves = found.halves.iter().map(|&c| firsts[c]);
+        warnings.extend(Fault::at("end", problem, halves).map(|fault| fault.to_string()));
         let problem = "components that are a mirror image of the start and cave in on the way, named by their first vertex";
         let turned = mirrored(&mesh, a, b).into_iter().map(|c| firsts[c]);
         warnings.extend(Fault::at("end", problem, turned).map(|fault| fault.to_string()));
@@ -102,8 +106,12 @@ impl Inbetween {
         job.check()?;
         let ends: Vec<Mat3> = found.turns.par_iter().map(|turn| turn.at(1.0)).collect();
         let apart = shapes.apart(1);
-        let screws =
-            shapes.stitcher.floating().iter().map(|vertices| Screw::of(vertices, a, b, apart)).collect();
+        let means = mean_turns(&mesh, a, &found.turns);
+        let screw = |vertices: &Vec<u32>| {
+            let component = mesh.components().of_vertex(vertices[0] as usize);
+            Screw::of(vertices, a, b, apart, component.map_or(Vec3::ZERO, |c| means[c]))
+        };
+        let screws = shapes.stitcher.floating().iter().map(screw).collect();
         let relative = match options.rotation {
             Rotation::Relative => Some(Relative::new(&mesh, &ends, found.tree, job)?),
             Rotation::Consistent | Rotation::Shortest => None,
@@ -262,6 +270,19 @@ fn clearance(
         None => Ok(rest.vertices().to_vec()),
     };
     Clearance::new(mesh, Box::new(at), ends, scale, job)
+}
+
+/// The rotation vector of every component's triangles on the mean, weighted by area.
+fn mean_turns(mesh: &Mesh, x: &[Vec3], turns: &[Turn]) -> Vec<Vec3> {
+    let mut sums = vec![(Vec3::ZERO, 0.0); mesh.components().count()];
+    for (triangle, turn) in mesh.triangles().iter().zip(turns) {
+        if let Some(c) = mesh.components().of_vertex(triangle[0] as usize) {
+            let (_, area) = normal_and_area(triangle.map(|v| x[v as usize]));
+            sums[c].0 += turn.omega() * area;
+            sums[c].1 += area;
+        }
+    }
+    sums.into_iter().map(|(sum, area)| if area > 0.0 { sum / area } else { Vec3::ZERO }).collect()
 }
 
 /// Components whose folds are turned inside out: the angles between their triangles, signed and weighted

@@ -28,11 +28,11 @@ pub(super) struct Screw {
 
 impl Screw {
     /// The screw of some vertices that go from `a` to `b`, in units that share a scale but not an origin, where the origin of `b`
-    /// is `apart` from that of `a`.
-    pub fn of(vertices: &[u32], a: &[Vec3], b: &[Vec3], apart: Vec3) -> Self {
+    /// is `apart` from that of `a`; the way round, and as many turns, as their triangles `turn` on the mean.
+    pub fn of(vertices: &[u32], a: &[Vec3], b: &[Vec3], apart: Vec3, turn: Vec3) -> Self {
         let motion = Alignment::of(vertices.iter().map(|&v| (a[v as usize], b[v as usize])));
         let (from, to) = motion.centroids();
-        let turn = rotation::log(motion.rotation());
+        let turn = rotation::nearest_branch(rotation::log(motion.rotation()), turn);
         let angle = turn.length();
         if angle < STRAIGHT || motion.correlation() < ACCOUNTED {
             return Self::default();

@@ -15,8 +15,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::branches::{self, Neighbours, TreeEdge, Turn};
+use super::branches::{self, Neighbours, TreeEdge};
 use super::rotations::{self, TriangleMotion};
+use super::turn::Turn;
 use crate::geometry::frame::UnitFrame;
 use crate::geometry::triangle::TriangleGeometry;
 use crate::linear::{Constraints, REGULARIZED};
@@ -52,6 +53,8 @@ pub(super) struct Turns {
     pub tree: Vec<TreeEdge>,
     /// Those that turn over, as the input of the mesh counts them.
     pub inverted: Vec<usize>,
+    /// Components that turn by half a turn, for which the other way round is as near.
+    pub halves: Vec<usize>,
 }
 
 /// What one shape to be stitched asks for.
@@ -141,15 +144,31 @@ impl Shapes {
         let motions = rotations::motions(mesh, &self.unit[0], &self.unit[shape]);
         job.check()?;
         let neighbours = Neighbours::of(mesh, &motions);
-        let (turns, tree) = if agree {
+        let drifts = self.drifts(shape);
+        let drift = |t: usize| {
+            let component = mesh.components().of_vertex(mesh.triangles()[t][0] as usize);
+            component.map_or(Vec3::ZERO, |c| drifts[c])
+        };
+        let (turns, tree, halves) = if agree {
             let moves = |v: &&u32| self.given[0][**v as usize] != self.given[shape][**v as usize];
             let moved = mesh.triangles().iter().map(|t| t.iter().filter(moves).count() as u8);
-            branches::consistent(&neighbours, &motions, &moved.collect::<Vec<_>>(), job)?
+            branches::consistent(&neighbours, &motions, &moved.collect::<Vec<_>>(), drift, job)?
         } else {
-            (branches::shortest(&motions), Vec::new())
+            (branches::shortest(&motions, drift), Vec::new(), Vec::new())
         };
         let ids = neighbours.inverted(&motions).map(|t| mesh.triangle_ids()[t] as usize);
-        Ok(Turns { inverted: ids.collect(), motions, turns, tree })
+        let halves = halves.iter().map(|&t| mesh.triangles()[t as usize][0] as usize);
+        let halves = halves.filter_map(|v| mesh.components().of_vertex(v)).collect();
+        Ok(Turns { inverted: ids.collect(), motions, turns, tree, halves })
+    }
+
+    /// How far the centroid of every component goes from the first shape to another.
+    fn drifts(&self, shape: usize) -> Vec<Vec3> {
+        let drift = |vertices: Vec<u32>| {
+            let moved = |&v: &u32| self.unit[shape][v as usize] - self.unit[0][v as usize];
+            self.apart(shape) + vertices.iter().map(moved).sum::<Vec3>() / vertices.len() as f64
+        };
+        self.mesh().components().members().into_iter().map(drift).collect()
     }
 
     /// `y` of everything targets for, in unit coordinates, after `rounds` of refitting the rotations where they
