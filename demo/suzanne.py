@@ -1,4 +1,4 @@
-"""Job 3: the same expressions to Suzanne, linked by the marker pairs and the rims of her lids in suzanne_markers.json."""
+"""Job 3: the same expressions to Suzanne, linked by pairs of markers and curves in suzanne_markers.json."""
 
 import time
 from pathlib import Path
