@@ -64,3 +64,44 @@ impl<'a> Descent<'a> {
 fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::transfer::fit::energy::TermWeights;
+    use crate::transfer::testing::bumpy_grid;
+
+    #[test]
+    fn the_energy_falls_with_every_step_and_with_every_look_up() {
+        let mesh = bumpy_grid(9);
+        let n = mesh.vertices().len();
+        let weights = TermWeights { smoothness: 1.0, identity: 0.1 };
+        let energy = Energy::new(&mesh, 1.0, weights, |_| false).unwrap();
+        // Planes that no uncoupled metric is exact for, and that lie elsewhere at each look-up.
+        let plane = |v: usize, turn: f64| Pull {
+            corners: [v as u32; 3],
+            weights: Vec3::X,
+            goal: mesh.rest()[v] * 1.3 + Vec3::new(0.05, turn, (v as f64).sin() * 0.02),
+            normal: Vec3::new((v as f64 + turn).cos(), (v as f64 + turn).sin(), 0.7).normalize(),
+            along: 100.0,
+            across: 2.0,
+        };
+        let looked_up = |turn: f64| -> Vec<Pull> { (0..n).map(|v| plane(v, turn)).collect() };
+        let gradient = |pulls: &[Pull], u: &[Vec3]| {
+            let mut gradient = energy.gradient(u);
+            pulls::add_gradient(pulls, u, &mut gradient);
+            gradient
+        };
+        let metric = pulls::uncoupled(&looked_up(0.0), n);
+        let mut descent = Descent::new(&energy, energy.factor(&metric).unwrap());
+        let mut u = energy.rest();
+        for turn in [0.0, 0.0, 0.0, 0.01, 0.02, 0.02, 0.03] {
+            let (pulls, before) = (looked_up(turn), u.clone());
+            descent.go(&pulls, &mut u, 1);
+            // Of a quadratic energy the difference is the mean of the gradients along the way, exactly.
+            let moved: Vec<Vec3> = u.iter().zip(&before).map(|(u, b)| *u - *b).collect();
+            let fallen = -dot(&gradient(&pulls, &u), &moved) - dot(&gradient(&pulls, &before), &moved);
+            assert!(fallen > 0.0, "it rose by {}", -fallen);
+        }
+    }
+}
