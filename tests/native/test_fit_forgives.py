@@ -244,6 +244,52 @@ def test_markers_all_in_one_place_do(data, where):
     assert fit.report["flipped_triangles"] == 0
 
 
+def cartoon(head, much):
+    """A head with eyes and mouth grown and the chin drawn in, by a smooth map of space."""
+    rest, of = head.rest, head.rest[head.landmarks]
+    eyes = [(of[36:42].mean(0), 0.09, (0.7, 0.7, 0.35)), (of[42:48].mean(0), 0.09, (0.7, 0.7, 0.35))]
+    drawn = rest.copy()
+    for centre, size, growth in [
+        *eyes,
+        (of[8], 0.15, (-0.35, -0.1, 0.0)),
+        (of[48:60].mean(0), 0.08, (0.4, 0.12, 0.0)),
+    ]:
+        away = drawn - centre
+        near = np.exp(-0.5 * (away**2).sum(axis=1) / (size * diagonal(rest)) ** 2)
+        drawn = drawn + much * near[:, None] * away * np.array(growth)
+    return drawn
+
+
+@pytest.mark.parametrize(("much", "tolerance", "off"), [(1, 0.01, 0.8), (1.5, 0.004, 1.0), (2, 0.01, 1.6)])
+def test_other_proportions_are_told_by_few_markers(data, much, tolerance, off):
+    head = Head(data)
+    drawn = cartoon(head, much)
+    vertices, faces, place, _ = shuffled(drawn, head.faces)
+    chosen = head.landmarks[[8, 0, 16, 19, 24, 30, 36, 37, 39, 41, 42, 44, 45, 46, 48, 54, 57]]
+    source, target = lissom.Mesh(head.rest, head.faces), lissom.Mesh(vertices, faces)
+    markers = np.column_stack([chosen, place[chosen]])
+    fit = lissom.fit_correspondence(source, target, markers, marker_tolerance=tolerance)
+    away = np.linalg.norm(fit.fitted_vertices - drawn, axis=1) / diagonal(drawn)
+    # Measured 0.65, 0.86 and 1.37 %; where the markers let go of the second, 1.13 %.
+    assert 100 * away.mean() < off
+    assert fit.report["flipped_triangles"] == 0
+
+
+def test_a_fit_beside_the_target_is_never_sure(data):
+    head = Head(data)
+    person = head.person(1)
+    vertices, faces, place, _ = shuffled(person, head.faces)
+    points = person[head.landmarks] + np.array([10.0, 0.0, 0.0]) * diagonal(person)
+    markers = np.column_stack([head.landmarks, place[head.landmarks]])
+    source, target = lissom.Mesh(head.rest, head.faces), lissom.Mesh(vertices, faces)
+    fit, keys = carried(source, target, markers, head.rest + head.offsets, points)
+    assert fit.report["certainty"] < 0.5
+    assert any("beside the target" in warning for warning in fit.report["warnings"])
+    assert any("little in common" in warning for warning in fit.report["warnings"])
+    verdicts = lissom.Transfer(source, target, fit).quality(head.rest + head.offsets, keys).verdict
+    assert "good" not in verdicts
+
+
 @pytest.mark.parametrize("wrong", ["left and right exchanged", "shuffled", "all at one point", "inside out"])
 def test_markers_or_targets_that_are_all_wrong_get_a_warning(data, wrong):
     head = Head(data)

@@ -140,9 +140,10 @@ pub fn conclude(
             (report.unmatched_target_triangles, report.unmatched_target_percent) = (count, percent);
         }
     }
-    let uncovered = report.unmatched_source_percent.min(report.unmatched_target_percent);
+    let (one, other) = (report.unmatched_source_percent, report.unmatched_target_percent);
+    let uncovered = one.min(other);
     if !pairs.is_empty() && uncovered > UNCOVERED {
-        report.certainty *= (100.0 - uncovered) / (100.0 - UNCOVERED);
+        report.certainty *= (100.0 - one.max(other)) / (100.0 - UNCOVERED);
         report.warnings.push(format!(
             "{uncovered:.0} % of either mesh has no counterpart on the other: they have little in common, or do not lie \
              on each other; look at the fit and the markers"
