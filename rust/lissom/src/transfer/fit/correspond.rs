@@ -62,8 +62,7 @@ pub fn fit_correspondence(
         return Ok(fit);
     }
 
-    let Marked { lie, led_by } =
-        Marked::of(&source_side, &target_side, markers, options, &mut warnings, job)?;
+    let Marked { lie, led_by } = Marked::of(&source_side, &onto, markers, options, &mut warnings, job)?;
     let turned = lie.turn.map(|turn| source.turned(turn));
     let source_side = match &turned {
         Some(turned) => source_side.of(turned),
@@ -77,6 +76,7 @@ pub fn fit_correspondence(
     let report = FitReport { rounds, warnings, certainty: lie.certainty, ..FitReport::default() };
     let mut fit =
         conclude(&Placed::new(&source_side, &x), &onto, options.match_distance, report, false, job)?;
+    fit.report.doubt_what_is_uncovered();
     fit.matches.turn = lie.turn.unwrap_or(Mat3::IDENTITY);
     fit.matches.curves = led.curves;
     let in_units = |off: Vec<f64>| off.into_iter().map(|off| off * target.frame().scale).collect();

@@ -88,6 +88,22 @@ pub struct FitReport {
     pub warnings: Vec<String>,
 }
 
+impl FitReport {
+    /// Doubts meshes that were laid on each other and of which little has a counterpart.
+    pub fn doubt_what_is_uncovered(&mut self) {
+        let (one, other) = (self.unmatched_source_percent, self.unmatched_target_percent);
+        let uncovered = one.min(other);
+        // Where it is all of either, the fit has failed, and that is said.
+        if uncovered > UNCOVERED && uncovered < 100.0 {
+            self.certainty *= (100.0 - one.max(other)) / (100.0 - UNCOVERED);
+            self.warnings.push(format!(
+                "{uncovered:.0} % of either mesh has no counterpart on the other: they have little in common, or do not lie \
+                 on each other; look at the fit and the markers"
+            ));
+        }
+    }
+}
+
 /// Matches the triangles and takes stock. Where the meshes `overlap` nothing was moved, so that nothing has folded.
 pub fn conclude(
     fitted: &Placed,
@@ -139,15 +155,6 @@ pub fn conclude(
         } else {
             (report.unmatched_target_triangles, report.unmatched_target_percent) = (count, percent);
         }
-    }
-    let (one, other) = (report.unmatched_source_percent, report.unmatched_target_percent);
-    let uncovered = one.min(other);
-    if !pairs.is_empty() && uncovered > UNCOVERED {
-        report.certainty *= (100.0 - one.max(other)) / (100.0 - UNCOVERED);
-        report.warnings.push(format!(
-            "{uncovered:.0} % of either mesh has no counterpart on the other: they have little in common, or do not lie \
-             on each other; look at the fit and the markers"
-        ));
     }
     if pairs.is_empty() {
         report.warnings.push("no triangle of the source has a match: the fit has failed".into());

@@ -31,22 +31,14 @@ pub fn images(
     reach: f64,
     job: &Job,
 ) -> Result<Vec<Option<SurfacePoint>>> {
-    let mesh = of.side.mesh;
     let surface = &on.surface;
-    let image = |v: usize| {
-        let component = mesh.components().of_vertex(v)?;
-        if of.side.masked_vertex[v] {
-            return None;
-        }
+    of_vertices(of, job, |v, component| {
         let of_partner = |s: usize| partner[component].is_none_or(|partner| on.side.component[s] == partner);
         let accept = |s: usize| !on.side.masked[s] && of_partner(s);
         let hit = surface.closest_compatible_point_on(of.positions[v], of.normals[v], reach, accept)?;
-        Some(SurfacePoint {
-            triangle: hit.triangle as u32,
-            weights: surface.weights(hit.triangle, hit.point),
-        })
-    };
-    job.in_batches(mesh.rest().len(), image)
+        let weights = surface.weights(hit.triangle, hit.point);
+        Some(SurfacePoint { triangle: hit.triangle as u32, weights })
+    })
 }
 
 /// The same for meshes that lie on each other as they are ([`super::overlap`]).
@@ -61,17 +53,25 @@ pub fn images_of_overlap(
     reach: f64,
     job: &Job,
 ) -> Result<Vec<Option<SurfacePoint>>> {
-    let mesh = of.side.mesh;
-    job.in_batches(mesh.rest().len(), |v| {
-        let component = mesh.components().of_vertex(v)?;
-        if of.side.masked_vertex[v] {
-            return None;
-        }
+    of_vertices(of, job, |v, component| {
         let (point, normal) = (of.positions[v], of.normals[v].normalize_or_zero());
         let hit = on.closest(point, normal, reach, partner[component], DETOUR)?;
         let weights = on.surface.weights(hit.triangle, hit.point);
         let image = SurfacePoint { triangle: hit.triangle as u32, weights };
         is_trusted(on, &hit, weights, point, normal).then_some(image)
+    })
+}
+
+/// By `image`, of each vertex in a face that is not masked, with its component.
+fn of_vertices(
+    of: &Placed,
+    job: &Job,
+    image: impl Fn(usize, usize) -> Option<SurfacePoint> + Sync,
+) -> Result<Vec<Option<SurfacePoint>>> {
+    let components = of.side.mesh.components();
+    job.in_batches(of.positions.len(), |v| {
+        let component = components.of_vertex(v).filter(|_| !of.side.masked_vertex[v])?;
+        image(v, component)
     })
 }
 

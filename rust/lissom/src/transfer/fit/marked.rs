@@ -8,7 +8,7 @@ use super::doubtful::{Doubtful, doubtful};
 use super::lie::Lie;
 use super::markers::{self, Marker, PROPORTIONS};
 use super::options::FitOptions;
-use super::side::Side;
+use super::side::{Placed, Side};
 use crate::transfer::alignment;
 use crate::transfer::correspondence::CurvePoint;
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
@@ -61,13 +61,13 @@ impl Marked {
     /// As [`super::fit_correspondence`].
     pub fn of(
         source_side: &Side,
-        target_side: &Side,
+        onto: &Placed,
         markers: Option<&[[u32; 2]]>,
         options: &FitOptions,
         warnings: &mut Vec<String>,
         job: &Job,
     ) -> Result<Self> {
-        let (source, target, tolerance) = (source_side.mesh, target_side.mesh, options.marker_tolerance);
+        let (source, target, tolerance) = (source_side.mesh, onto.side.mesh, options.marker_tolerance);
         let found = markers.map(|markers| checked(source, target, markers, options)).transpose()?;
         let found = found.unwrap_or_default();
         let curves = curves::check(source, target, &options.curves)?;
@@ -75,7 +75,7 @@ impl Marked {
         let places: Vec<(Vec3, Vec3)> = places.collect();
         let doubts = doubtful(&places, tolerance);
         if !options.points.is_empty() {
-            warnings.extend(markers::beside(target, &found));
+            warnings.extend(markers::beside(&onto.surface, &found));
         }
         if doubts.scatter > PROPORTIONS.max(tolerance) {
             warnings.push(format!(
@@ -91,7 +91,7 @@ impl Marked {
             warnings.extend(open);
             Lie::of(&trusted, Vec::new(), doubts.scatter)
         } else {
-            without_markers(source_side, target_side, tolerance, warnings, job)?
+            without_markers(source_side, onto.side, tolerance, warnings, job)?
         };
         let followed = (0..found.len()).filter(|&i| kept(i)).map(|i| found[i]);
         lie.markers = followed.collect();

@@ -137,9 +137,8 @@ pub fn check(
 }
 
 /// How many of `markers` belong where the target is not, in words.
-pub fn beside(target: &Mesh, markers: &[Marker]) -> Option<String> {
-    let surface = Surface::of(target.triangles(), target.rest());
-    let is_beside = |m: &&Marker| surface.closest_point(m.goal).is_some_and(|hit| hit.distance > BESIDE);
+pub fn beside(target: &Surface, markers: &[Marker]) -> Option<String> {
+    let is_beside = |m: &&Marker| target.closest_point(m.goal).is_some_and(|hit| hit.distance > BESIDE);
     let count = markers.iter().filter(is_beside).count();
     (count > 0).then(|| {
         format!(

@@ -27,17 +27,15 @@ pub fn overlap(source: &Side, onto: &Placed, reach: f64, report: FitReport, job:
         [fit.report.unmatched_source_percent, fit.report.unmatched_target_percent].map(|open| 100.0 - open);
     let covered = of_source.max(of_target);
     let said = format!(
-        "overlap: {of_source:.0} % of the source and {of_target:.0} % of the target lie on the other within {:.3} of \
-         the target's diagonal",
-        reach
+        "{of_source:.0} % of the source and {of_target:.0} % of the target lie on the other within {reach:.3} of the \
+         target's diagonal"
     );
     if covered < LEAST_PERCENT {
-        let problem =
-            format!("{}: move the meshes onto each other, or do without it", &said["overlap: ".len()..]);
+        let problem = format!("{said}: move the meshes onto each other, or do without it");
         return Err(Error::InvalidConstraint(Fault::new("overlap", problem)));
     }
     if covered < FEW_PERCENT {
-        fit.report.warnings.push(format!("{said}: look whether the meshes lie where they should"));
+        fit.report.warnings.push(format!("overlap: {said}: look whether the meshes lie where they should"));
     }
     fit.report.certainty = 1.0;
     fit.matches.overlap = true;
