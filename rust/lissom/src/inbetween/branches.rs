@@ -23,28 +23,16 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
+use super::neighbours::{GENTLE, Neighbours, TreeEdge, distance};
 use super::rotations::TriangleMotion;
 use super::turn::{Turn, is_half, sided_log};
-use crate::geometry::groups::Groups;
-use crate::geometry::rows::Rows;
-use crate::matrix::norm_squared;
-use crate::{Job, Mat3, Mesh, Result, Vec3, rotation};
-
-/// `|R - R'|_F^2` of 60 degrees: neighbours that turn apart by less are of one region. Between 45 and
-/// 90 degrees there is little to choose on the poses of a cat with crumpled joints.
-const GENTLE: f64 = 2.0;
+use crate::{Job, Mat3, Result, Vec3, rotation};
 
 /// Regions of fewer triangles are not trusted with a turn of their own; 16 and 64 do alike.
 const REGION: u32 = 16;
 
-/// `|R - R'|_F^2` of a right angle; neighbours that turn apart by more fold over each other.
-const RIGHT_ANGLE: f64 = 4.0;
-
 /// Rotation vectors whose sum is at least this share of their lengths' sum are about one axis; those of crumples are not.
 const ONE_AXIS: f64 = 0.8;
-
-/// Dual edges to a triangle without a rotation come after all others: `|R - R'|_F^2` is at most 8.
-const LAST: f64 = 9.0;
 
 /// Each triangle by the least angle, whatever its neighbours do.
 pub(super) fn shortest(motions: &[TriangleMotion], drift: impl Fn(usize) -> Vec3 + Sync) -> Vec<Turn> {
@@ -59,12 +47,14 @@ pub(super) fn shortest(motions: &[TriangleMotion], drift: impl Fn(usize) -> Vec3
 /// `moved` counts the vertices of each triangle that move. Triangles at rest are the roots. A
 /// component without any starts from the triangle that turns least: of those held by most vertices,
 /// since a whole turn looks like none, and of those outside crumples. Triangles without a rotation
-/// take their neighbour's. `drift` is how far the component of a triangle goes. With the turns come the steps of
-/// the walk, in order, and the roots that might as well turn the other way.
+/// take their neighbour's. `drift` is how far the component of a triangle goes. `links` lead to triangles of parts that
+/// ride, from those that they sit on, hosts first: such parts are entered last, each by its gentlest link. With the turns come the
+/// steps of the walk, in order, and the roots that might as well turn the other way.
 pub(super) fn consistent(
     neighbours: &Neighbours,
     motions: &[TriangleMotion],
     moved: &[u8],
+    links: &[[u32; 2]],
     drift: impl Fn(usize) -> Vec3,
     job: &Job,
 ) -> Result<(Vec<Turn>, Vec<TreeEdge>, Vec<u32>)> {
@@ -81,9 +71,11 @@ pub(super) fn consistent(
     queue.extend(at_rest.map(|t| Reverse((0u64, t, t))));
     walk.run(&mut queue, job)?;
 
+    let mut rides = vec![false; motions.len()];
+    links.iter().for_each(|&[t, _]| rides[t as usize] = true);
     let mut roots: Vec<(bool, u8, bool, u64, u32)> = (0u32..)
         .zip(motions)
-        .filter(|(t, _)| walk.turns[*t as usize].is_none())
+        .filter(|(t, _)| walk.turns[*t as usize].is_none() && !rides[*t as usize])
         .map(|(t, m)| {
             let least = m.rotation().map(|r| distance(r, Mat3::IDENTITY).to_bits());
             let crumple = walk.sizes[t as usize] < REGION;
@@ -104,10 +96,26 @@ pub(super) fn consistent(
             walk.run(&mut queue, job)?;
         }
     }
-    let mut turns: Vec<Turn> = walk.turns.into_iter().map(|turn| turn.unwrap_or(Turn::NONE)).collect();
+    let mut turns = settled(neighbours, motions, &walk.turns);
+    if !links.is_empty() {
+        let seen = walk.turns.iter().map(Option::is_some);
+        walk.turns = seen.zip(turns).map(|(seen, turn)| seen.then_some(turn)).collect();
+        for link in neighbours.gentlest(motions, links) {
+            walk.handed_on[link.from as usize] = walk.turns[link.from as usize].unwrap_or(Turn::NONE);
+            queue.push(Reverse((0, link.triangle, link.from)));
+            walk.run(&mut queue, job)?;
+        }
+        turns = settled(neighbours, motions, &walk.turns);
+    }
+    Ok((turns, walk.steps, halves))
+}
+
+/// The turns of a walk, with those that do not pay dropped and axes shared.
+fn settled(neighbours: &Neighbours, motions: &[TriangleMotion], walked: &[Option<Turn>]) -> Vec<Turn> {
+    let mut turns: Vec<Turn> = walked.iter().map(|turn| turn.unwrap_or(Turn::NONE)).collect();
     drop_unpaid(neighbours, motions, &mut turns);
     share_axes(neighbours, motions, &mut turns);
-    Ok((turns, walk.steps, halves))
+    turns
 }
 
 /// A walk in progress.
@@ -120,13 +128,6 @@ struct Walk<'a> {
     /// The turn that each triangle gives to those beyond a crease.
     handed_on: Vec<Turn>,
     steps: Vec<TreeEdge>,
-}
-
-/// A step of the walk, to a triangle from one visited before; a root from itself.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct TreeEdge {
-    pub triangle: u32,
-    pub from: u32,
 }
 
 /// Triangles to visit: weight of the step, triangle, the triangle it is reached from; a root from itself.
@@ -214,67 +215,6 @@ fn share_axes(neighbours: &Neighbours, motions: &[TriangleMotion], turns: &mut [
     }
 }
 
-/// `|a - b|_F^2 = 8 sin^2(angle / 2)` between rotations: grows with the angle between them.
-fn distance(a: Mat3, b: Mat3) -> f64 {
-    norm_squared(a - b)
-}
-
-/// The dual graph: of each triangle, those across its edges, each with its weight as the bits of a number that is
-/// not negative (they sort alike).
-pub(super) struct Neighbours(Rows<(u64, u32)>);
-
-impl Neighbours {
-    pub fn of(mesh: &Mesh, motions: &[TriangleMotion]) -> Self {
-        Self::joining(&mesh.adjacency().triangle_pairs().collect::<Vec<_>>(), motions)
-    }
-
-    fn joining(pairs: &[[u32; 2]], motions: &[TriangleMotion]) -> Self {
-        let joined = pairs.iter().flat_map(|&[a, b]| {
-            let weight = match [a, b].map(|t| motions[t as usize].rotation()) {
-                [Some(r), Some(s)] => distance(r, s),
-                _ => LAST,
-            };
-            [(a, (weight.to_bits(), b)), (b, (weight.to_bits(), a))]
-        });
-        Self(Rows::sort(motions.len(), joined.collect::<Vec<_>>().into_iter()))
-    }
-
-    /// Triangles that fold over more than half of their neighbours, or turn over in a flat sheet.
-    pub fn inverted(&self, motions: &[TriangleMotion]) -> impl Iterator<Item = usize> {
-        let folds = |weight: f64| weight > RIGHT_ANGLE && weight < LAST;
-        (0..motions.len()).filter(move |&t| {
-            let beside = self.of_triangle(t as u32);
-            let folded = beside.iter().filter(|(weight, _)| folds(f64::from_bits(*weight))).count();
-            motions[t] == TriangleMotion::Inverted || 2 * folded > beside.len()
-        })
-    }
-
-    /// For each triangle, how many are joined to it by gentle steps.
-    fn region_sizes(&self) -> Vec<u32> {
-        let mut sizes = vec![0; self.0.count()];
-        for region in self.patches(|_, _, weight| weight < GENTLE).iter() {
-            for &t in region {
-                sizes[t as usize] = region.len() as u32;
-            }
-        }
-        sizes
-    }
-
-    /// Triangles in groups that `joined(triangle, neighbour, weight)` holds together.
-    fn patches(&self, joined: impl Fn(usize, usize, f64) -> bool) -> Rows<u32> {
-        let pairs = self.0.iter().enumerate().flat_map(|(t, beside)| {
-            let joined = &joined;
-            let held = beside.iter().filter(move |&&(w, s)| joined(t, s as usize, f64::from_bits(w)));
-            held.map(move |&(_, s)| [t as u32, s])
-        });
-        Groups::joining(self.0.count(), pairs).members()
-    }
-
-    fn of_triangle(&self, t: u32) -> &[(u64, u32)] {
-        self.0.of(t as usize)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -285,7 +225,8 @@ mod tests {
         let motions: Vec<TriangleMotion> = degrees.iter().map(turn).collect();
         let moved: Vec<u8> = (0..motions.len()).map(|t| if t == 0 { 0 } else { 3 }).collect();
         let neighbours = Neighbours::joining(pairs, &motions);
-        let (turns, ..) = consistent(&neighbours, &motions, &moved, |_| Vec3::ZERO, &Job::default()).unwrap();
+        let (turns, ..) =
+            consistent(&neighbours, &motions, &moved, &[], |_| Vec3::ZERO, &Job::default()).unwrap();
         turns.iter().map(|turn| turn.omega().z.to_degrees().round()).collect()
     }
 

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::clearance::Clearance;
 use super::options::{InbetweenOptions, Rotation};
 use super::relative::Relative;
+use super::riders;
 use super::screw::Screw;
 use super::shapes::{Shapes, Targets};
 use super::stretch::{self, Stretch, shares};
@@ -109,9 +110,17 @@ impl Inbetween {
         let means = mean_turns(&mesh, a, &found.turns);
         let screw = |vertices: &Vec<u32>| {
             let component = mesh.components().of_vertex(vertices[0] as usize);
-            Screw::of(vertices, a, b, apart, component.map_or(Vec3::ZERO, |c| means[c]))
+            let pairs = vertices.iter().map(|&v| (a[v as usize], b[v as usize] + apart));
+            Screw::of(pairs, component.map_or(Vec3::ZERO, |c| means[c]))
         };
-        let screws = shapes.stitcher.floating().iter().map(screw).collect();
+        let mut screws: Vec<Screw> = shapes.stitcher.floating().iter().map(screw).collect();
+        for part in &shapes.riders.parts {
+            let back = riders::motion(&part.seat, b, a);
+            let vertices = shapes.stitcher.floating()[part.floating].iter();
+            let pairs = vertices.map(|&v| (a[v as usize], back.apply(b[v as usize])));
+            let host = found.turns[part.seat.triangles[0] as usize].omega();
+            screws[part.floating] = Screw::of(pairs, means[part.component] - host);
+        }
         let relative = match options.rotation {
             Rotation::Relative => Some(Relative::new(&mesh, &ends, found.tree, job)?),
             Rotation::Consistent | Rotation::Shortest => None,
@@ -209,7 +218,7 @@ impl Inbetween {
                 let (stitcher, wanted) = (&self.shapes.stitcher, volumes.at(self.inner_time(t)));
                 let precondition = |gradient: &[Vec3]| stitcher.precondition(gradient);
                 volumes.restore(stitcher.mesh(), &targets.line, y, &wanted, precondition);
-                self.shapes.centre(&targets.offsets, y);
+                self.shapes.place(targets, y);
             }
             if let Some(clearance) = &self.clearance
                 && t > 0.0
@@ -245,7 +254,7 @@ impl Inbetween {
         let line =
             self.shapes.unit[0].iter().zip(&self.shapes.unit[1]).map(|(&p, &q)| p + (q - p) * t).collect();
         let offsets = self.screws.iter().map(|screw| screw.at(t)).collect();
-        Ok(Targets { hats, changes, line, offsets })
+        Ok(Targets { hats, changes, line, shares: vec![1.0 - t, t], offsets })
     }
 }
 

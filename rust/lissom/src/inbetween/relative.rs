@@ -21,7 +21,7 @@
 
 use rayon::prelude::*;
 
-use super::branches::TreeEdge;
+use super::neighbours::TreeEdge;
 use super::turn::Turn;
 use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
 use crate::{Job, Mat3, Mesh, Result, Vec3, rotation};
@@ -50,7 +50,10 @@ impl Relative {
     ///
     /// As [`ConstrainedSystem::new`].
     pub fn new(mesh: &Mesh, ends: &[Mat3], tree: Vec<TreeEdge>, job: &Job) -> Result<Self> {
-        let pairs: Vec<[u32; 2]> = mesh.adjacency().triangle_pairs().collect();
+        let component = |t: u32| mesh.components().of_vertex(mesh.triangles()[t as usize][0] as usize);
+        let links = tree.iter().filter(|step| component(step.triangle) != component(step.from));
+        let links = links.map(|step| [step.from, step.triangle]);
+        let pairs: Vec<[u32; 2]> = mesh.adjacency().triangle_pairs().chain(links).collect();
         let pairs: Vec<(u32, u32, Vec3, f64)> = pairs
             .into_par_iter()
             .map(|[i, j]| {

@@ -15,7 +15,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::branches::{self, Neighbours, TreeEdge};
+use super::branches;
+use super::neighbours::{Neighbours, TreeEdge};
+use super::riders::Riders;
 use super::rotations::{self, TriangleMotion};
 use super::turn::Turn;
 use crate::geometry::frame::UnitFrame;
@@ -40,6 +42,7 @@ pub(super) struct Shapes {
     pub scale: f64,
     /// Vertices that are in the same place in all shapes.
     pub stationary: Vec<bool>,
+    pub riders: Riders,
     hats: Vec<Vec<HatGradients>>,
     /// Slivers.
     pub warnings: Vec<String>,
@@ -63,9 +66,11 @@ pub(super) struct Targets<F> {
     pub hats: F,
     /// `R_t - I`.
     pub changes: Vec<Mat3>,
-    /// The straight blend of the shapes, in unit coordinates.
+    /// The straight blend of the shapes, in unit coordinates, and the share of each.
     pub line: Vec<Vec3>,
-    /// Of each floating component, where its centroid is off the straight line; none of them where empty.
+    pub shares: Vec<f64>,
+    /// Of each floating component, where its centroid is off the straight line, seen from where it rides; none of them
+    /// where empty.
     pub offsets: Vec<Vec3>,
 }
 
@@ -105,6 +110,7 @@ impl Shapes {
         let constraints = Constraints::hard(stationary.len(), |v| stationary[v]);
         let weights = Weights::Corners(&weights);
         let stitcher = Stitcher::new(mesh, Owners::Triangles, weights, None, constraints, job)?;
+        let riders = Riders::of(stitcher.mesh(), &unit, stitcher.floating(), &stationary);
         warnings.extend(stitcher.system().factor().is_regularized().then(|| REGULARIZED.into()));
         Ok(Self {
             stitcher,
@@ -113,6 +119,7 @@ impl Shapes {
             origins: frames.iter().map(|frame| frame.center).collect(),
             scale,
             stationary,
+            riders,
             hats,
             warnings,
         })
@@ -152,7 +159,8 @@ impl Shapes {
         let (turns, tree, halves) = if agree {
             let moves = |v: &&u32| self.given[0][**v as usize] != self.given[shape][**v as usize];
             let moved = mesh.triangles().iter().map(|t| t.iter().filter(moves).count() as u8);
-            branches::consistent(&neighbours, &motions, &moved.collect::<Vec<_>>(), drift, job)?
+            let links = self.riders.links(mesh, self.stitcher.floating());
+            branches::consistent(&neighbours, &motions, &moved.collect::<Vec<_>>(), &links, drift, job)?
         } else {
             (branches::shortest(&motions, drift), Vec::new(), Vec::new())
         };
@@ -162,13 +170,17 @@ impl Shapes {
         Ok(Turns { inverted: ids.collect(), motions, turns, tree, halves })
     }
 
-    /// How far the centroid of every component goes from the first shape to another.
+    /// How far the centroid of every component goes from the first shape to another, or that of what it rides on.
     fn drifts(&self, shape: usize) -> Vec<Vec3> {
         let drift = |vertices: Vec<u32>| {
             let moved = |&v: &u32| self.unit[shape][v as usize] - self.unit[0][v as usize];
             self.apart(shape) + vertices.iter().map(moved).sum::<Vec3>() / vertices.len() as f64
         };
-        self.mesh().components().members().into_iter().map(drift).collect()
+        let mut drifts: Vec<Vec3> = self.mesh().components().members().into_iter().map(drift).collect();
+        for part in &self.riders.parts {
+            drifts[part.component] = drifts[part.seat.component];
+        }
+        drifts
     }
 
     /// `y` of everything targets for, in unit coordinates, after `rounds` of refitting the rotations where they
@@ -201,22 +213,24 @@ impl Shapes {
                 let [_, step] = refit.gradient(&refined);
                 *y = refined.0.iter().zip(step).map(|(&y, step)| y - step).collect();
             }
-            self.centre(&targets.offsets, y);
+            self.place(targets, y);
             Ok(())
         })?;
         Ok(shapes)
     }
 
-    /// Moves every floating component so that its centroid is off its straight line by its offset, and welded
-    /// vertices with those that they are welded to.
-    pub fn centre(&self, offsets: &[Vec3], y: &mut [Vec3]) {
-        for (k, vertices) in self.stitcher.floating().iter().enumerate() {
+    /// Moves every floating component so that its centroid is off its straight line by its offset, what rides with its
+    /// seat, and welded vertices with those that they are welded to.
+    pub fn place<F>(&self, targets: &Targets<F>, y: &mut [Vec3]) {
+        let (floating, offsets) = (self.stitcher.floating(), &targets.offsets);
+        for (k, vertices) in floating.iter().enumerate() {
             let sum: Vec3 = vertices.iter().map(|&v| y[v as usize]).sum();
             let off = sum / vertices.len() as f64 - offsets.get(k).copied().unwrap_or_default();
             for &v in vertices {
                 y[v as usize] -= off;
             }
         }
+        self.riders.place(floating, &self.unit, &targets.shares, offsets, &targets.line, y);
         self.mesh().follow(y);
     }
 }
