@@ -43,13 +43,13 @@ def asked(settings):
     def value(owner, name):
         return getattr(getattr(options, owner), name)
 
-    base = options.multiresolution.base
-    return Asked.of(settings.method, base, settings.use_weights, settings.weld, value)
+    return Asked.of(settings, options.multiresolution.base, value)
 
 
 def keep(settings, asked):
     """Writes method and options into the settings of an object, from which the file restores the pose."""
-    settings.method, settings.use_weights, settings.weld = asked.method, asked.use_weights, asked.weld
+    for name in ("method", "use_weights", "weld", "stays", "reach"):
+        setattr(settings, name, getattr(asked, name))
     for owner, name in options_of(asked.method, asked.options.get("base")):
         setattr(getattr(settings.options, owner), name, asked.options[name])
 

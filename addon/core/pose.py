@@ -5,6 +5,7 @@ from typing import NamedTuple
 import lissom
 import numpy as np
 
+from . import stays
 from .refused import Refused, first
 from .work import Work
 
@@ -56,15 +57,20 @@ def bind_work(vertices, triangles, corners, handles, weights, roi, asked):
     """
 
     def steps():
+        mesh = lissom.Mesh(vertices, triangles, weld=0.0 if asked.weld else None)
+        region, known = roi, asked
+        if roi is None and len(handles) == 1:
+            region, reach = stays.moving(mesh, triangles, handles[0], asked.stays, asked.reach)
+            known = asked._replace(reach=reach)
         pose = yield lissom.start_pose(
-            lissom.Mesh(vertices, triangles, weld=0.0 if asked.weld else None),
+            mesh,
             handles,
-            roi=roi,
+            roi=region,
             method=asked.method,
             handle_weights=weights if asked.use_weights else None,
             **asked.options,
         )
-        return BoundPose(pose, vertices, corners, len(handles), asked)
+        return BoundPose(pose, vertices, corners, len(handles), known)
 
     return Work(steps())
 

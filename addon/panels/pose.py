@@ -120,6 +120,11 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         row = column.row()
         row.enabled = not settings.bound
         row.prop(settings, "use_weights")
+        if len(settings.handles) == 1 and not settings.roi:
+            column.label(text="What stays?", icon="PINNED")
+            column.prop(settings, "stays", text="")
+            if settings.stays == "FAR":
+                column.prop(settings, "reach")
 
     def _draw_method(self, layout, settings):
         column = split_column(layout)

@@ -14,12 +14,12 @@ MIDDLE = RINGS // 2 * AROUND  # a vertex half way up
 WARNINGS = {
     "slivers": "slivers or without area",
     "again": "the same three vertices again",
-    "lonely": "in no face, kept at rest",
+    "lonely": "in no face",
     "crowded": "on an edge with more than two faces",
     "bow-tie": "bow-tie",
     "wound": "wound against each other",
     "seams": "in the same place as another and not joined to it",
-    "at rest": "components without a handle stay at rest",
+    "at rest": "components without a handle follow the nearest surface",
     "ambiguous": "held by one or two points, whose rotation is ambiguous",
 }
 

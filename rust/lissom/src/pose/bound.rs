@@ -7,6 +7,7 @@ use super::goal::{self, Goal};
 use super::method::{CommonOptions, Method, SolveOptions};
 use super::region::{Handle, Region};
 use super::registry::MethodOptions;
+use super::unheld::Followers;
 use super::volume::KeptVolume;
 use super::welding::Welding;
 use crate::linear::{Factor, REGULARIZED};
@@ -59,6 +60,7 @@ pub struct Pose {
     region: Region,
     method: Option<Box<dyn Method>>,
     volume: Option<KeptVolume>,
+    followers: Followers,
     info: Info,
     warnings: Vec<String>,
 }
@@ -66,8 +68,8 @@ pub struct Pose {
 impl Pose {
     /// Binds `handles` on `mesh`.
     ///
-    /// `roi` lists the vertices that may move; `None` means all. Vertices outside it, and components
-    /// without a handle, stay at rest.
+    /// `roi` lists the vertices that may move; `None` means all. Vertices outside it stay at rest; components without a
+    /// handle do as [`CommonOptions::unheld`] says.
     ///
     /// # Errors
     ///
@@ -93,8 +95,10 @@ impl Pose {
         let method = if region.is_rigid() { None } else { Some(method.bind(&region, job)?) };
         let keeps = common.preserve_volume && method.is_some();
         let volume = if keeps { Some(KeptVolume::of(&mesh, &region, job)?) } else { None };
+        let followers = Followers::of(&mesh, region.handles(), roi.as_deref(), common.unheld);
         let mut info = Info::default();
         let mut warnings = region.warnings().to_vec();
+        warnings.extend_from_slice(followers.warnings());
         warnings.extend(volume.as_ref().and_then(|volume| volume.warning(&mesh)));
         let systems = method.iter().flat_map(|m| m.systems()).chain(volume.as_ref().map(KeptVolume::system));
         let factors: Vec<&Factor> = systems.map(|s| s.factor()).collect();
@@ -108,7 +112,7 @@ impl Pose {
         }
         info.seconds = begin.elapsed().as_secs_f64();
         job.report(1.0, "ready");
-        Ok(Self { mesh, welding, region, method, volume, info, warnings })
+        Ok(Self { mesh, welding, region, method, volume, followers, info, warnings })
     }
 
     /// What binding made.
@@ -238,6 +242,7 @@ impl Pose {
             volume.restore(&self.mesh, &self.region, &mut vertices);
             put(&mut vertices);
         }
+        self.followers.carry(&self.mesh, &mut vertices);
         if let Some(v) = vertices.iter().position(|p| !p.is_finite()) {
             return Err(Error::SolveFailed(format!("vertex {v} overflows the range of numbers")));
         }

@@ -2,6 +2,7 @@
 
 use super::goal::Goal;
 use super::region::{Hold, Region};
+use super::unheld::Unheld;
 use crate::linear::ConstrainedSystem;
 use crate::options::{choices, options};
 use crate::{Job, Result, Vec3};
@@ -39,6 +40,8 @@ options! {
         pub weight: f64 = 1.0 => above(0.0) when("constraints", "soft"),
         /// Closed components keep the volume that they have at rest.
         pub preserve_volume: bool = false,
+        /// What parts without a handle do, such as eyes, teeth and buttons.
+        pub unheld: Unheld = Unheld::Follow,
     }
 }
 

@@ -3,7 +3,7 @@
 //! [`Pose`] (`bound`) prepares a region of interest and its handles once (`region`) and a method
 //! ([`Method`], one a file; `registry` knows them by name); each solve turns the handles' motion into a [`Goal`]
 //! (`goal`, `welding`) and hands it to the method. Methods see a mesh that consists of the region alone, so none
-//! knows of anything outside.
+//! knows of anything outside; what nobody holds follows afterwards (`unheld`).
 //!
 //! | file | chooses |
 //! |---|---|
@@ -31,6 +31,7 @@ mod registry;
 mod responses;
 pub mod rotation_invariant;
 pub mod thin_shell;
+mod unheld;
 mod volume;
 mod welding;
 
@@ -40,3 +41,4 @@ pub use method::{CommonOptions, Holding, Method, Solution, SolveOptions};
 pub use region::{Handle, Hold, Region};
 pub use registry::{METHODS, MethodOptions};
 pub use responses::{Linear, Response};
+pub use unheld::Unheld;

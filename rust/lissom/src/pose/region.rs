@@ -85,15 +85,10 @@ impl Region {
             (follows || pull[v].is_some()) && attached
         };
         let first: Vec<usize> = components.members().iter().map(|m| m[0] as usize).collect();
-        let mut say = |problem: &str, which: &dyn Fn(usize) -> bool| {
-            let offenders = (0..first.len()).filter(|&c| which(c)).map(|c| first[c]);
-            warnings.extend(Fault::at("handles", problem, offenders).map(|fault| fault.to_string()));
-        };
-        say("components without a handle stay at rest, named by their first vertex", &|c| points[c] == 0);
-        say(
-            "components held by one or two points, whose rotation is ambiguous, named by their first vertex",
-            &|c| points[c] > 0 && held[c] <= 2,
-        );
+        let ambiguous = (0..first.len()).filter(|&c| points[c] > 0 && held[c] <= 2).map(|c| first[c]);
+        let problem =
+            "components held by one or two points, whose rotation is ambiguous, named by their first vertex";
+        warnings.extend(Fault::at("handles", problem, ambiguous).map(|fault| fault.to_string()));
 
         // Cells of given vertices beside free ones reach one ring further and count in full, and so do
         // their Laplacians' neighbours where curvature is continued across the border.
