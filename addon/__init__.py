@@ -18,6 +18,7 @@ from .operators import (
     transfer_pick,
     transfer_pose,
     transfer_show,
+    transfer_views,
 )
 from .panels import inbetween as inbetween_panel
 from .panels import pose as pose_panel
@@ -34,6 +35,7 @@ _OPERATORS = (
     pose_bake,
     transfer_markers,
     transfer_pick,
+    transfer_views,
     transfer_fit,
     transfer_keys,
     transfer_pose,
