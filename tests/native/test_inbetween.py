@@ -504,3 +504,40 @@ def test_a_twist_beyond_half_a_turn_stays_on_its_axis(seed):
     for x in lissom.Inbetween(lissom.Mesh(start, faces), start, end).at([0.25, 0.5, 0.75]):
         rings = np.array([x[start[:, 0] == at].mean(0) for at in np.unique(start[:, 0])])
         assert np.abs(rings[:, 1:]).max() < 0.01
+
+
+def arm(random):
+    """Its first half at rest, the second bent; and how far from there each vertex is."""
+    start, faces = tube(rows=40, columns=16, length=6)
+    bent = start[:, 0] > 3
+    end = start.copy()
+    along = start[bent, 0] - 3
+    angle, radius = np.minimum(along, 1) * random.uniform(0.5, 2), 1 / random.uniform(0.5, 2)
+    out = radius + 2 - start[bent, 1]
+    end[bent, 0] = 3 + out * np.sin(angle) + np.maximum(along - 1, 0) * np.cos(angle)
+    end[bent, 1] = radius + 2 - out * np.cos(angle) + np.maximum(along - 1, 0) * np.sin(angle)
+    return start, faces, end
+
+
+@pytest.mark.parametrize("rotation", ["consistent", "relative", "shortest"])
+@pytest.mark.parametrize("noise", ["single precision", 1e-8, 1e-7, 1e-6])
+@pytest.mark.parametrize("place", [0.0, 1000.0])
+def test_what_is_still_to_single_precision_is_still(rotation, noise, place):
+    """A bent arm, and beside it a part that stays, wherever they are: noise changes no more than its own size."""
+    random = np.random.default_rng(int(place))
+    start, faces, end = arm(random)
+    part, sides = ball(np.array([0, 8.0, 0]), 2.0, 10, 16)
+    start, end = np.vstack([start, part]) + place, np.vstack([end, part]) + place
+    mesh = lissom.Mesh(start, np.vstack([faces, sides + start.shape[0] - len(part)]))
+    held = (start == end).all(1)
+    if noise == "single precision":
+        noisy_end, size = end.astype(np.float32).astype(float), np.abs(end).max() * 2e-7
+    else:
+        noisy_end, size = noisy(end, random, noise * diagonal(start)), 5 * noise * diagonal(start)
+    times = np.array([0.0, 0.25, 0.5, 0.9, 1.0])
+    clean = lissom.Inbetween(mesh, start, end, rotation=rotation).at(times)
+    found = lissom.Inbetween(mesh, start, noisy_end, rotation=rotation).at(times)
+    assert np.array_equal(found[0], start) and np.array_equal(found[-1], noisy_end)
+    assert np.abs(found - clean).max() < 50 * size
+    straight = start + times[:, None, None] * (noisy_end - start)
+    assert np.abs(found - straight)[:, held].max() < 1e-12 * np.abs(start).max()

@@ -38,7 +38,7 @@
 //! | `route` | a path through several shapes |
 //! | `blend` | several shapes at once |
 //!
-//! Vertices in the same place at both ends stay there exactly; a connected component without such
+//! Vertices in the same place at both ends stay there exactly, those that single precision moves go straight; a connected component without such
 //! a vertex turns about the axis of its rigid motion (`screw`).
 
 mod blend;

@@ -27,6 +27,11 @@ use crate::rotation::nearest_rotation;
 use crate::stitch::{Descent, HatGradients, Local, Owners, Reference, Stitcher, Stop, Weights, refine};
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
 
+/// What single precision and a few steps of computing in it leave, as a fraction of the largest coordinate: vertices
+/// that move by less are still. Far from the origin, at most [`UNSEEN`] of the size.
+const ROUNDING: f64 = 64.0 * f32::EPSILON as f64;
+const UNSEEN: f64 = 1e-3;
+
 /// Shapes of one mesh and the stitch between them.
 #[derive(Debug)]
 pub(super) struct Shapes {
@@ -38,8 +43,10 @@ pub(super) struct Shapes {
     /// The origins of unit coordinates, in the mesh's own units, and what a unit is there.
     origins: Vec<Vec3>,
     pub scale: f64,
-    /// Vertices that are in the same place in all shapes.
+    /// Vertices that are in the same place in all shapes, to single precision.
     pub stationary: Vec<bool>,
+    /// Vertices that move by no more are still.
+    rounding: f64,
     hats: Vec<Vec<HatGradients>>,
     /// Slivers.
     pub warnings: Vec<String>,
@@ -99,8 +106,13 @@ impl Shapes {
             warnings.extend(fault.map(|fault| fault.to_string()));
         }
         let hats = unit.iter().map(|x| hat_gradients_at(&mesh, &weights, x)).collect();
+        let corners = mesh.triangles().iter().flatten();
+        let coordinates = shapes
+            .iter()
+            .flat_map(|(_, shape)| corners.clone().map(|&v| shape[v as usize].abs().max_element()));
+        let rounding = (ROUNDING * coordinates.fold(scale, f64::max)).min(UNSEEN * scale);
         let stationary: Vec<bool> = (0..mesh.rest().len())
-            .map(|v| shapes.iter().all(|(_, shape)| shape[v] == shapes[0].1[v]))
+            .map(|v| shapes.iter().all(|(_, shape)| shape[v].distance(shapes[0].1[v]) <= rounding))
             .collect();
         let constraints = Constraints::hard(stationary.len(), |v| stationary[v]);
         let weights = Weights::Corners(&weights);
@@ -113,6 +125,7 @@ impl Shapes {
             origins: frames.iter().map(|frame| frame.center).collect(),
             scale,
             stationary,
+            rounding,
             hats,
             warnings,
         })
@@ -141,7 +154,13 @@ impl Shapes {
     /// [`Error::Cancelled`].
     pub fn turns(&self, shape: usize, agree: bool, job: &Job) -> Result<Turns> {
         let mesh = &**self.mesh();
-        let motions = rotations::motions(mesh, &self.unit[0], &self.unit[shape]);
+        let moves =
+            |v: &&u32| self.given[0][**v as usize].distance(self.given[shape][**v as usize]) > self.rounding;
+        let moved: Vec<u8> = mesh.triangles().iter().map(|t| t.iter().filter(moves).count() as u8).collect();
+        let mut motions = rotations::motions(mesh, &self.unit[0], &self.unit[shape]);
+        for (motion, _) in motions.iter_mut().zip(&moved).filter(|(_, moved)| **moved == 0) {
+            *motion = TriangleMotion::Turns(Mat3::IDENTITY);
+        }
         job.check()?;
         let neighbours = Neighbours::of(mesh, &motions);
         let drifts = self.drifts(shape);
@@ -150,9 +169,7 @@ impl Shapes {
             component.map_or(Vec3::ZERO, |c| drifts[c])
         };
         let (turns, tree, halves) = if agree {
-            let moves = |v: &&u32| self.given[0][**v as usize] != self.given[shape][**v as usize];
-            let moved = mesh.triangles().iter().map(|t| t.iter().filter(moves).count() as u8);
-            branches::consistent(&neighbours, &motions, &moved.collect::<Vec<_>>(), drift, job)?
+            branches::consistent(&neighbours, &motions, &moved, drift, job)?
         } else {
             (branches::shortest(&motions, drift), Vec::new(), Vec::new())
         };
