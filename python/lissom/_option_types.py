@@ -126,8 +126,8 @@ class PathOptions(TypedDict, total=False):
     stretch: Literal["linear", "logarithmic"]
     """How triangles grow and shrink along the path."""
     refinement: int
-    """Rounds in which turns are fitted to the shapes that came out: lengths along the path get two to four
-    times better in 4 to 16."""
+    """Rounds in which turns are fitted to the shapes that came out, by a radian at most: lengths along the
+    path get up to twice as good in 4 to 16."""
     through: Sequence[tuple[float, ArrayLike]] | None
     """Shapes to hit on the way, each (time, positions), in ascending order; speed may change there."""
     preserve_volume: bool

@@ -16,10 +16,12 @@
 //! with its shortest turns takes those.
 //!
 //! Beyond half a turn a whole patch turns about one axis, with whole turns counted (`turn`).
+//!
+//! Steps of equal weight, as on the two sides of a symmetric mesh, are taken at once, and a triangle that several of them
+//! lead to follows their mean: symmetric shapes go a symmetric way.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
@@ -46,6 +48,9 @@ const ONE_AXIS: f64 = 0.8;
 /// Dual edges to a triangle without a rotation come after all others: `|R - R'|_F^2` is at most 8.
 const LAST: f64 = 9.0;
 
+/// Weights, and squared angles, that differ by less are equal but for rounding.
+const TIE: f64 = 1e-9;
+
 /// Each triangle by the least angle, whatever its neighbours do.
 pub(super) fn shortest(motions: &[TriangleMotion], drift: impl Fn(usize) -> Vec3 + Sync) -> Vec<Turn> {
     let turn = |(t, m): (usize, &TriangleMotion)| {
@@ -59,22 +64,22 @@ pub(super) fn shortest(motions: &[TriangleMotion], drift: impl Fn(usize) -> Vec3
 /// `moved` counts the vertices of each triangle that move. Triangles at rest are the roots. A
 /// component without any starts from the triangle that turns least: of those held by most vertices,
 /// since a whole turn looks like none, and of those outside crumples. Triangles without a rotation
-/// take their neighbour's. `drift` is how far the component of a triangle goes. With the turns come the steps of
-/// the walk, in order, and the roots that might as well turn the other way.
+/// take their neighbour's. `drift` is how far the component of a triangle goes. With the turns come the roots, and
+/// those of them that might as well turn the other way.
 pub(super) fn consistent(
     neighbours: &Neighbours,
     motions: &[TriangleMotion],
     moved: &[u8],
     drift: impl Fn(usize) -> Vec3,
     job: &Job,
-) -> Result<(Vec<Turn>, Vec<TreeEdge>, Vec<u32>)> {
+) -> Result<(Vec<Turn>, Vec<u32>, Vec<u32>)> {
     let mut walk = Walk {
         neighbours,
         motions,
         sizes: neighbours.region_sizes(),
         turns: vec![None; motions.len()],
         handed_on: vec![Turn::NONE; motions.len()],
-        steps: Vec::with_capacity(motions.len()),
+        roots: Vec::new(),
     };
     let mut queue = BinaryHeap::new();
     let at_rest = (0..motions.len() as u32).filter(|&t| moved[t as usize] == 0);
@@ -92,22 +97,35 @@ pub(super) fn consistent(
         .collect();
     roots.par_sort_unstable();
     let mut halves = Vec::new();
-    for (.., root) in roots {
-        let t = root as usize;
-        if walk.turns[t].is_none() {
-            if let Some(r) = motions[t].rotation() {
-                let omega = sided_log(r, drift(t));
-                walk.handed_on[t] = Turn::about(omega);
-                halves.extend(is_half(omega).then_some(root));
-            }
-            queue.push(Reverse((0, root, root)));
-            walk.run(&mut queue, job)?;
+    for (k, &(none, held, crumple, least, first)) in roots.iter().enumerate() {
+        if walk.turns[first as usize].is_some() {
+            continue;
         }
+        let limit = (f64::from_bits(least) + TIE).to_bits();
+        let alike = roots[k..]
+            .iter()
+            .take_while(|root| (root.0, root.1, root.2) == (none, held, crumple) && root.3 <= limit);
+        for &(.., root) in alike {
+            let t = root as usize;
+            if walk.turns[t].is_some() {
+                continue;
+            }
+            let omega = motions[t].rotation().map(|r| sided_log(r, drift(t)));
+            let half = omega.is_some_and(is_half);
+            // One alone chooses the way round.
+            if root != first && (half || none) {
+                continue;
+            }
+            walk.handed_on[t] = omega.map_or(Turn::NONE, Turn::about);
+            halves.extend(half.then_some(root));
+            queue.push(Reverse((0, root, root)));
+        }
+        walk.run(&mut queue, job)?;
     }
     let mut turns: Vec<Turn> = walk.turns.into_iter().map(|turn| turn.unwrap_or(Turn::NONE)).collect();
     drop_unpaid(neighbours, motions, &mut turns);
     share_axes(neighbours, motions, &mut turns);
-    Ok((turns, walk.steps, halves))
+    Ok((turns, walk.roots, halves))
 }
 
 /// A walk in progress.
@@ -119,14 +137,7 @@ struct Walk<'a> {
     turns: Vec<Option<Turn>>,
     /// The turn that each triangle gives to those beyond a crease.
     handed_on: Vec<Turn>,
-    steps: Vec<TreeEdge>,
-}
-
-/// A step of the walk, to a triangle from one visited before; a root from itself.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct TreeEdge {
-    pub triangle: u32,
-    pub from: u32,
+    roots: Vec<u32>,
 }
 
 /// Triangles to visit: weight of the step, triangle, the triangle it is reached from; a root from itself.
@@ -135,34 +146,51 @@ type Queue = BinaryHeap<Reverse<(u64, u32, u32)>>;
 impl Walk<'_> {
     /// Empties the queue.
     fn run(&mut self, queue: &mut Queue, job: &Job) -> Result<()> {
-        while let Some(Reverse((weight, triangle, from))) = queue.pop() {
-            let (t, from) = (triangle as usize, from as usize);
-            if self.turns[t].is_some() {
-                continue;
+        let mut at_once = Vec::new();
+        while let Some(&Reverse((least, ..))) = queue.peek() {
+            job.check()?;
+            let limit = (f64::from_bits(least) + TIE).to_bits();
+            while let Some(Reverse((weight, triangle, from))) = queue.peek().filter(|next| next.0.0 <= limit)
+            {
+                if self.turns[*triangle as usize].is_none() {
+                    at_once.push((*triangle, *from, f64::from_bits(*weight) < GENTLE));
+                }
+                queue.pop();
             }
-            let near = match self.turns[from] {
-                Some(turn) if f64::from_bits(weight) < GENTLE => turn,
-                _ => self.handed_on[from],
-            };
-            let turn = self.motions[t].rotation().map_or(near, |r| near.nearest_to(r));
-            self.turns[t] = Some(turn);
-            let trusted = t == from || self.sizes[t] >= REGION;
-            self.handed_on[t] = if trusted { turn } else { self.handed_on[from] };
-            let next = self.neighbours.of_triangle(triangle).iter();
-            let unseen = next.filter(|(_, s)| self.turns[*s as usize].is_none());
-            queue.extend(unseen.map(|&(weight, s)| Reverse((weight, s, triangle))));
-            self.steps.push(TreeEdge { triangle, from: from as u32 });
-            if self.steps.len().is_multiple_of(4096) {
-                job.check()?;
+            at_once.sort_unstable();
+            for steps in at_once.chunk_by(|a, b| a.0 == b.0) {
+                self.step(steps, queue);
             }
+            at_once.clear();
         }
         Ok(())
+    }
+
+    /// Visits a triangle by one step, or several that are equal: triangle, from, whether it is gentle.
+    fn step(&mut self, steps: &[(u32, u32, bool)], queue: &mut Queue) {
+        let (triangle, first, _) = steps[0];
+        let t = triangle as usize;
+        let handed_on = Turn::mean(steps.iter().map(|&(_, from, _)| self.handed_on[from as usize]));
+        let near = Turn::mean(steps.iter().map(|&(_, from, gentle)| {
+            let own = self.turns[from as usize].filter(|_| gentle);
+            own.unwrap_or(self.handed_on[from as usize])
+        }));
+        let turn = self.motions[t].rotation().map_or(near, |r| near.nearest_to(r));
+        self.turns[t] = Some(turn);
+        let trusted = triangle == first || self.sizes[t] >= REGION;
+        self.handed_on[t] = if trusted { turn } else { handed_on };
+        let next = self.neighbours.of_triangle(triangle).iter();
+        let unseen = next.filter(|(_, s)| self.turns[*s as usize].is_none());
+        queue.extend(unseen.map(|&(weight, s)| Reverse((weight, s, triangle))));
+        if triangle == first {
+            self.roots.push(triangle);
+        }
     }
 }
 
 /// Gives shortest turns to patches beyond half a turn whose borders agree better with those.
 fn drop_unpaid(neighbours: &Neighbours, motions: &[TriangleMotion], turns: &mut [Turn]) {
-    let beyond: Vec<bool> = turns.iter().map(|turn| turn.angle.abs() > PI).collect();
+    let beyond: Vec<bool> = turns.iter().map(Turn::is_beyond_half).collect();
     let within = |a: usize, b: usize| beyond[a] && beyond[b];
     for patch in neighbours.patches(|t, s, _| within(t, s)).iter() {
         if !beyond[patch[0] as usize] {
@@ -183,7 +211,7 @@ fn drop_unpaid(neighbours: &Neighbours, motions: &[TriangleMotion], turns: &mut 
                 dropped += short.omega().distance(turns[s].omega());
             }
         }
-        if dropped < kept {
+        if dropped < kept * (1.0 - TIE) {
             for (&t, short) in patch.iter().zip(shortest) {
                 turns[t as usize] = short;
             }
@@ -194,7 +222,7 @@ fn drop_unpaid(neighbours: &Neighbours, motions: &[TriangleMotion], turns: &mut 
 /// Turns every patch beyond half a turn about one axis, the mean of those along its border. Each triangle there has a
 /// tilt of its own, by its shear, and handed on alone would lean the whole patch.
 fn share_axes(neighbours: &Neighbours, motions: &[TriangleMotion], turns: &mut [Turn]) {
-    let beyond: Vec<bool> = turns.iter().map(|turn| turn.angle.abs() > PI).collect();
+    let beyond: Vec<bool> = turns.iter().map(Turn::is_beyond_half).collect();
     for patch in neighbours.patches(|t, s, _| beyond[t] && beyond[s]).iter() {
         if !beyond[patch[0] as usize] {
             continue;

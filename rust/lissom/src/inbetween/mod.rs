@@ -30,7 +30,8 @@
 //! | `branches` | `R_t(t)`: which logarithm of `R_t`, so that neighbours turn together |
 //! | `relative` | `R_t(t)` from the rotations between neighbours instead |
 //! | `stretch` | `S(t)`: in equal steps or by equal factors |
-//! | `shapes` | the shapes, prepared; what their triangles ask for stitched, and rotations refitted to that |
+//! | `shapes` | the shapes, prepared; what their triangles ask for stitched |
+//! | `refit` | rotations fitted to the shape that came out |
 //! | `path` | `x(t)`: all of these at a time |
 //! | `screw` | where components go that nothing holds |
 //! | `volume`, `clearance` | the volume kept, an obstacle respected |
@@ -38,8 +39,8 @@
 //! | `route` | a path through several shapes |
 //! | `blend` | several shapes at once |
 //!
-//! Vertices in the same place at both ends stay there exactly; a connected component without such
-//! a vertex turns about the axis of its rigid motion (`screw`).
+//! Vertices in the same place at both ends stay there exactly, those that single precision moves go straight;
+//! a connected component without such a vertex turns about the axis of its rigid motion (`screw`).
 
 mod blend;
 mod branches;
@@ -47,6 +48,7 @@ mod clearance;
 mod keyframes;
 mod options;
 mod path;
+mod refit;
 mod relative;
 mod rotations;
 mod route;
