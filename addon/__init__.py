@@ -6,6 +6,7 @@ from . import commands, ghost, live, marks, rebind
 from .operators import (
     inbetween_arcs,
     inbetween_bake,
+    inbetween_image,
     pose_apply,
     pose_bake,
     pose_bind,
@@ -44,6 +45,7 @@ _OPERATORS = (
     transfer_show,
     inbetween_bake,
     inbetween_arcs,
+    inbetween_image,
 )
 _PANELS = (pose_panel, transfer_panel, inbetween_panel)  # in the order of the tab
 _CLASSES = [cls for module in (*_PROPERTIES, *_OPERATORS, *_PANELS) for cls in module.classes]
@@ -54,6 +56,7 @@ def register():
         bpy.utils.register_class(cls)
     for module in _PROPERTIES:
         module.register()
+    inbetween_image.register()
     live.register()
     ghost.register()
     marks.register()
@@ -66,6 +69,7 @@ def unregister():
     ghost.unregister()
     rebind.unregister()
     live.unregister()
+    inbetween_image.unregister()
     for module in reversed(_PROPERTIES):
         module.unregister()
     for cls in reversed(_CLASSES):

@@ -144,3 +144,17 @@ class BlendOptions(TypedDict, total=False):
 
     refinement: int
     """Rounds in which turns are fitted to the shape that came out."""
+
+
+class ImageMeshOptions(TypedDict, total=False):
+    """Options of image_mesh."""
+
+    edge: float
+    """Wanted length of edges; 0 takes a 25th of the square root of the opaque area, some 1500 triangles, and
+    no less than a pixel."""
+    threshold: float
+    """Alpha from which on a place is part of the drawing."""
+    tolerance: float
+    """How far the outline may go from the alpha's: larger is smoother, with fewer small triangles."""
+    smallest: float
+    """Islands and holes of less area are left out."""
