@@ -470,7 +470,7 @@ def largest_step(path):
 
 
 @pytest.mark.parametrize("rotation", ["consistent", "relative", "shortest"])
-@pytest.mark.parametrize("height", [0.4, 0.7])
+@pytest.mark.parametrize("height", [0.4, 0.7, 1.0])
 def test_a_dimple_is_pushed_in_without_a_jump(rotation, height):
     around, rings = 12, 4
     angle, radius = np.meshgrid(2 * np.pi * np.arange(around) / around, np.arange(1, rings + 1) / rings)

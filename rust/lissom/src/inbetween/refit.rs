@@ -20,7 +20,7 @@ use crate::{Mat3, Vec3, rotation};
 const REACH: f64 = 1.0;
 
 /// Share of the edges' size by which turns about any axis are resisted: needles say nothing of that about themselves.
-const RESISTANCE: f64 = 0.01;
+const RESISTANCE: f64 = 0.02;
 
 /// The rotation of a triangle refitted about `asked`, where its edges `stretched` with their `hats` came out such that
 /// their covariance is `found`.
