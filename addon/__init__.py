@@ -6,6 +6,7 @@ from . import commands, ghost, live, marks, rebind
 from .operators import (
     inbetween_arcs,
     inbetween_bake,
+    inbetween_image,
     pose_apply,
     pose_bake,
     pose_bind,
@@ -18,6 +19,7 @@ from .operators import (
     transfer_pick,
     transfer_pose,
     transfer_show,
+    transfer_views,
 )
 from .panels import inbetween as inbetween_panel
 from .panels import pose as pose_panel
@@ -34,6 +36,7 @@ _OPERATORS = (
     pose_bake,
     transfer_markers,
     transfer_pick,
+    transfer_views,
     transfer_fit,
     transfer_keys,
     transfer_pose,
@@ -42,6 +45,7 @@ _OPERATORS = (
     transfer_show,
     inbetween_bake,
     inbetween_arcs,
+    inbetween_image,
 )
 _PANELS = (pose_panel, transfer_panel, inbetween_panel)  # in the order of the tab
 _CLASSES = [cls for module in (*_PROPERTIES, *_OPERATORS, *_PANELS) for cls in module.classes]
@@ -52,6 +56,7 @@ def register():
         bpy.utils.register_class(cls)
     for module in _PROPERTIES:
         module.register()
+    inbetween_image.register()
     live.register()
     ghost.register()
     marks.register()
@@ -64,6 +69,7 @@ def unregister():
     ghost.unregister()
     rebind.unregister()
     live.unregister()
+    inbetween_image.unregister()
     for module in reversed(_PROPERTIES):
         module.unregister()
     for cls in reversed(_CLASSES):

@@ -1,4 +1,6 @@
-"""Markers as numbered dots on both meshes: the two of a pair have one colour."""
+"""Markers as numbered dots on both meshes: the two of a pair have one colour; what is hidden is hollow."""
+
+from typing import NamedTuple
 
 import blf
 import bpy
@@ -8,61 +10,73 @@ from gpu_extras.batch import batch_for_shader
 
 from . import session
 from .bridge import picking
-from .bridge.markers import marks_of
 from .core.marks import colour
 
 RADIUS, RIM, TEXT = 5.5, 1.5, 12  # pixels
-_TURN = np.linspace(0, 2 * np.pi, 17)
+RING = 3.0  # pixels, between a mark and the ring around what a click would take
+_TURN = np.linspace(0, 2 * np.pi, 25)
 _CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN), 0 * _TURN], axis=1)
 
 _handle = None
 
 
+class Dot(NamedTuple):
+    """A mark in a view: that of a pair that is begun has the place -1 in the list."""
+
+    index: int
+    number: int
+    spot: tuple[float, float]
+    hidden: bool
+
+
 def shown(context):
-    """(number, text, (r, g, b), (x, y)) of the marks that a view shows; context is that of its drawing."""
-    settings, space = context.scene.lissom_transfer, context.space_data
-    ends = {"source": settings.source, "target": settings.target}
-    if not (session.picking or settings.show_markers) or None in ends.values():
-        return
-    depsgraph = context.view_layer.depsgraph
-    meshes = {side: picking.shown_mesh(obj, depsgraph) for side, obj in ends.items()}
-    visible = {side: obj.visible_get(viewport=space) for side, obj in ends.items()}
-    for number, side, vertex in marks_of(context):
-        place = visible[side] and picking.on_screen(
-            ends[side], vertex, meshes[side], context.region, context.region_data
-        )
-        if place:
-            count = number if number >= 0 else len(settings.markers)
-            yield number, str(count + 1), colour(count), (place.x, place.y)
+    """The Dots of the marks that a view shows, the hidden ones first; context is that of its drawing."""
+    settings = context.scene.lissom_transfer
+    if not (session.picking or settings.show_markers) or None in (settings.source, settings.target):
+        return []
+    view = picking.view_of(context.region, context.region_data)
+    stage = picking.Stage(context.scene, context.view_layer.depsgraph, view, context.space_data)
+    marks = stage.marks(behind=not context.screen.is_animation_playing)
+    dots = [Dot(mark.index, mark.number, spot, hidden) for mark, spot, hidden in marks]
+    return sorted(dots, key=lambda dot: not dot.hidden)
 
 
 def _draw():
-    found = list(shown(bpy.context))
-    if not found:
-        return
-    scale = picking.ui_scale()
-    active = bpy.context.scene.lissom_transfer.active_marker
+    context = bpy.context
+    dots, scale = shown(context), picking.ui_scale()
+    active = context.scene.lissom_transfer.active_marker
     gpu.state.blend_set("ALPHA")
-    for number, _, rgb, place in found:
-        rim = (1.0, 1.0, 1.0, 1.0) if number == active else (0.05, 0.05, 0.05, 1.0)
-        _disc(place, (RADIUS + RIM) * scale, rim)
-        _disc(place, RADIUS * scale, (*rgb, 1.0 if number >= 0 else 0.4))
+    for dot in dots:
+        rgba = (*colour(dot.number), 1.0 if dot.index >= 0 else 0.5)
+        rim = (1.0, 1.0, 1.0, 1.0) if dot.index == active else (0.05, 0.05, 0.05, 1.0)
+        if dot.hidden:
+            _ring(dot.spot, (RADIUS - 2 * RIM) * scale, (RADIUS - RIM) * scale, (*rim[:3], 0.6))
+            _ring(dot.spot, (RADIUS - RIM) * scale, RADIUS * scale, rgba)
+        else:
+            _ring(dot.spot, 0.0, (RADIUS + RIM) * scale, rim)
+            _ring(dot.spot, 0.0, RADIUS * scale, rgba)
+    ring = session.picking and session.picking.ring
+    if ring and ring[0] == context.region.as_pointer():
+        inner = (RADIUS + RIM + RING) * scale
+        _ring(ring[1], inner - RIM * scale, inner + 2 * RIM * scale, (0.05, 0.05, 0.05, 0.8))
+        _ring(ring[1], inner, inner + RIM * scale, (1.0, 1.0, 1.0, 1.0))
     blf.size(0, TEXT * scale)
     blf.enable(0, blf.SHADOW)
     blf.shadow(0, 3, 0.0, 0.0, 0.0, 1.0)
-    blf.color(0, 1.0, 1.0, 1.0, 1.0)
-    for _, text, _, (x, y) in found:
-        blf.position(0, x + 1.3 * RADIUS * scale, y + 0.7 * RADIUS * scale, 0)
-        blf.draw(0, text)
+    for dot in dots:
+        blf.color(0, 1.0, 1.0, 1.0, 0.6 if dot.hidden else 1.0)
+        blf.position(0, dot.spot[0] + 1.3 * RADIUS * scale, dot.spot[1] + 0.7 * RADIUS * scale, 0)
+        blf.draw(0, str(dot.number))
     blf.disable(0, blf.SHADOW)
     gpu.state.blend_set("NONE")
 
 
-def _disc(place, radius, rgba):
+def _ring(spot, inner, outer, rgba):
+    """What lies between two circles; a disc where the inner one has no radius."""
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
-    rim = np.array([*place, 0.0]) + radius * _CIRCLE
-    corners = [(0, i, i + 1) for i in range(1, len(rim) - 1)]
-    batch = batch_for_shader(shader, "TRIS", {"pos": rim.astype(np.float32)}, indices=corners)
+    circles = [np.array([*spot, 0.0]) + radius * _CIRCLE for radius in (inner, outer)]
+    strip = np.stack(circles, axis=1).reshape(-1, 3).astype(np.float32)
+    batch = batch_for_shader(shader, "TRI_STRIP", {"pos": strip})
     shader.uniform_float("color", rgba)
     batch.draw(shader)
 

@@ -13,17 +13,18 @@ work = None  # core.work.Work that a modal operator runs now; there is at most o
 work_of = ""  # bl_idname of that operator
 colours = {}  # session_uid of a mesh object -> its active colour attribute before the colours of a fit
 shadings = {}  # (screen, place of the area) -> shading of a 3D view before the colours of a fit
-picking = None  # bridge.picking.Picking while markers are picked
+picking = None  # core.picking.Picking while markers are picked
+views = None  # (the area that was split, the new one), by their addresses, while there are two for picking
 history = 0  # counts undo, redo and file loading
 
 
 def clear():
     """Forgets everything that belongs to a file."""
-    global fit, picking
+    global fit, picking, views
     poses.clear()
     worlds.clear()
     rebinding.clear()
     status.clear()
     shadings.clear()
     colours.clear()
-    fit = picking = None
+    fit = picking = views = None

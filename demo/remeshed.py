@@ -15,7 +15,8 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 from studio import Tile
 
-from addon.core.markers import Marker, save
+from addon.core.marker_file import save
+from addon.core.markers import Marker
 
 RATIO = 0.5  # of the faces are kept
 REACH = 0.03  # decimetres: how far from the full surface a thinned vertex is looked for

@@ -11,7 +11,7 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 from studio import Tile
 
-from addon.core import markers
+from addon.core import marker_file
 
 MARKERS = Path(__file__).with_name("suzanne_markers.json")
 
@@ -39,7 +39,7 @@ def run(face, obj, given, made, studio, picture, all_keys):
     suzanne, eyes = make(made, into, (12.0, 0, 0))
     seconds = transfer(skin, suzanne, eyes)
 
-    pairs = markers.load(str(MARKERS)).pairs
+    pairs = marker_file.load(str(MARKERS)).pairs
     rest = scene.vertices(suzanne)
     names = [key.name for key in list(suzanne.data.shape_keys.key_blocks)[1:]]
     motion = {

@@ -20,6 +20,7 @@ TITLES = {
     "transfer": "`Transfer`",
     "inbetween": "`Inbetween`",
     "blend": "`Blend`",
+    "image_mesh": "`image_mesh`",
 }
 KINDS = {
     "bool": "True or False",
@@ -50,6 +51,7 @@ CLASSES = (
     ("TransferOptions", ["transfer"], set()),
     ("PathOptions", ["inbetween"], {"rotation"}),
     ("BlendOptions", ["blend"], set()),
+    ("ImageMeshOptions", ["image_mesh"], set()),
 )
 
 

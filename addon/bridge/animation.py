@@ -183,6 +183,8 @@ def _blocks_with_drivers():
     for prop in bpy.data.bl_rna.properties:
         if prop.type == "COLLECTION":
             for block in getattr(bpy.data, prop.identifier):
-                data = getattr(block, "animation_data", None)
-                if data is not None and len(data.drivers) and block.is_editable:
-                    yield block
+                # A material's nodes are a block of their own that no list holds.
+                for part in filter(None, (block, getattr(block, "node_tree", None))):
+                    data = getattr(part, "animation_data", None)
+                    if data is not None and len(data.drivers) and block.is_editable:
+                        yield part

@@ -7,10 +7,12 @@ import bpy
 import numpy as np
 
 from .. import session
-from ..core import markers, marks
+from ..core import marker_file, markers, marks
+from ..core.picking import Mark
 from ..core.refused import Refused, first
 from .assembly import both_sides
-from .meshes import edge_signature, rest_place, rest_positions, signature
+from .meshes import edge_signature, rest_place, rest_positions, signature, triangles
+from .screen import redraw_views
 
 SIDES = ("source", "target")
 UNKNOWN = "unknown"  # edges of a mesh that was not there when its markers were read
@@ -30,7 +32,7 @@ def gather(context, sources, targets, text, filepath):
     if text and filepath:
         raise Refused("Give the markers as text or as a file, not both")
     if text or filepath:
-        loaded = markers.loads(text) if text else markers.load(bpy.path.abspath(filepath))
+        loaded = marker_file.loads(text) if text else marker_file.load(bpy.path.abspath(filepath))
         if not (loaded.pairs or loaded.curves):
             raise Refused("The markers that were given hold no pairs: leave them out to do without any")
         pairs, warnings = of_file(loaded, source, target)
@@ -57,10 +59,13 @@ def _alike(source, target):
 
 def of_scene(scene):
     """The scene's list of pairs, as it stands there."""
-    rows = scene.lissom_transfer.markers
-    return [
-        markers.Marker(row.name, row.source, row.target, *map(row.place, SIDES), row.mirror) for row in rows
-    ]
+    return [_marker(row) for row in scene.lissom_transfer.markers]
+
+
+def _marker(row):
+    marker = markers.Marker.between(row.name, *row.ends)
+    places = {f"{side}_place": row.place(side) for side in SIDES}
+    return marker._replace(mirror=row.mirror, number=row.number, **places)
 
 
 def curves_of_scene(scene):
@@ -142,41 +147,39 @@ def _found_again(pairs, ends, changed):
         placed = [number for number, marker in enumerate(pairs) if marker.place(side)]
         if not other or not placed:
             continue
-        vertices = rest_positions(obj.data)
-        if not len(vertices):
-            raise Refused(f"'{obj.name}' has no vertices: choose another object")
-        found, away = marks.nearest(vertices, np.array([pairs[number].place(side) for number in placed]))
-        far = np.flatnonzero(away > marks.FAR * marks.diagonal(vertices))
-        if len(far):
-            lost = first(repr(pairs[placed[number]].name) for number in far)
+        places = np.array([pairs[number].place(side) for number in placed])
+        found = marks.found_again(*surface(obj), places)
+        lost = [pairs[number].name for number, point in zip(placed, found, strict=True) if point is None]
+        if lost:
             raise Refused(
                 f"'{obj.name}' is not the mesh that these markers were placed on, or lost their places: "
-                f"{lost}. Correct or remove them, or choose the object they were made for"
+                f"{first(map(repr, lost))}. Correct or remove them, or choose the object they were made for"
             )
-        new = [
-            pairs[number]._replace(**{side: vertex})
-            for number, vertex in zip(placed, found.tolist(), strict=True)
-        ]
-        if new != [pairs[number] for number in placed]:
+        if found != [pairs[number].point(side) for number in placed]:
             warnings.append(
-                f"'{obj.name}' was remodelled since its markers were placed: each was put on the vertex "
-                "nearest to its place"
+                f"'{obj.name}' was remodelled since its markers were placed: each was put where its surface "
+                "is nearest to its place"
             )
-        for number, marker in zip(placed, new, strict=True):
-            pairs[number] = marker
+        for number, point in zip(placed, found, strict=True):
+            pairs[number] = pairs[number].on(side, point)
     return pairs, warnings
 
 
+def surface(obj):
+    """(vertices, triangles) of an object at rest, in its own coordinates."""
+    return rest_positions(obj.data), triangles(obj.data)
+
+
 def placed(pairs, source, target):
-    """The pairs with the places that their vertices have now."""
-    ends = source.data, target.data
+    """The pairs with the places that their points have now; None where a mesh has no such vertices."""
+    rests = dict(zip(SIDES, (rest_positions(obj.data) for obj in (source, target)), strict=True))
+
+    def place(point, rest):
+        there = max(point.corners) < len(rest)
+        return tuple(point.position(rest).tolist()) if there else None
+
     return [
-        marker._replace(
-            **{
-                f"{side}_place": rest_place(mesh, getattr(marker, side))
-                for side, mesh in zip(SIDES, ends, strict=True)
-            }
-        )
+        marker._replace(**{f"{side}_place": place(marker.point(side), rest) for side, rest in rests.items()})
         for marker in pairs
     ]
 
@@ -193,9 +196,14 @@ def curves_placed(curves, source, target):
 
 
 def append(scene, pairs, source, target):
-    """Adds pairs to the scene's list, the last as the active one; the others are found again first."""
+    """Adds pairs to the scene's list, the last as the active one; the others are found again first.
+
+    Those without a name are called by their numbers.
+    """
     known, _ = current(scene, source, target)
-    put(scene, known + list(pairs), source, target)
+    for marker in pairs:
+        known.append(marker if marker.name else marker._replace(name=markers.new_name(known)))
+    put(scene, known, source, target)
     scene.lissom_transfer.active_marker = len(scene.lissom_transfer.markers) - 1
 
 
@@ -222,20 +230,45 @@ def put(scene, pairs, source=None, target=None, curves=None):
         rows.remove(len(rows) - 1)
     while len(rows) < len(pairs):
         rows.add()
-    for row, marker in zip(rows, pairs, strict=True):
-        row.name, row.source, row.target, row.mirror = marker.name, *marker.vertices, marker.mirror
+    for row, marker in zip(rows, markers.numbered(pairs), strict=True):
+        row.name, row.mirror, row.number = marker.name, marker.mirror, marker.number
         for side in SIDES:
-            row.put(side, marker.place(side))
+            row.put(side, marker.point(side), marker.place(side))
     for side, obj in zip(SIDES, ends, strict=True):
         setattr(settings, f"{side}_edges", edge_signature(obj.data) if all(ends) else UNKNOWN)
     settings.active_marker = max(0, min(settings.active_marker, len(rows) - 1))
+    redraw_views()
 
 
-def marks_of(context):
-    """(number, side, vertex) of all marks; number -1 is that of the pair that is begun."""
-    for number, row in enumerate(context.scene.lissom_transfer.markers):
+def remove(scene, index):
+    """Takes one pair out of the scene's list; the others keep their numbers."""
+    settings = scene.lissom_transfer
+    _number(settings.markers)
+    settings.markers.remove(index)
+    settings.active_marker = max(0, min(index, len(settings.markers) - 1))
+    redraw_views()
+
+
+def move(scene, index, side, point):
+    """Puts one end of a pair at another point, unless another pair is there."""
+    settings = scene.lissom_transfer
+    others = [row.point(side) for place, row in enumerate(settings.markers) if place != index]
+    if point not in others:
+        rest = [rest_place(getattr(settings, side).data, corner) for corner in point.corners]
+        settings.markers[index].put(side, point, tuple(np.array(point.weights) @ np.array(rest)))
+
+
+def _number(rows):
+    for row, marker in zip(rows, markers.numbered([_marker(row) for row in rows]), strict=True):
+        row.number = marker.number
+
+
+def marks_of(scene):
+    """All marks, as core.picking.Mark; those of a pair that is begun come last."""
+    pairs = markers.numbered(of_scene(scene))
+    for index, marker in enumerate(pairs):
         for side in SIDES:
-            yield number, side, getattr(row, side)
+            yield Mark(index, marker.number, side, marker.point(side))
     begun = session.picking
     if begun is not None and begun.side:
-        yield -1, begun.side, begun.vertex
+        yield Mark(-1, max((marker.number for marker in pairs), default=0) + 1, begun.side, begun.point)

@@ -55,6 +55,18 @@ def corners(mesh):
     return flat
 
 
+def rims(mesh):
+    """(r, 2) vertices of the edges that one face has, and (r,) these faces."""
+    edges = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("edge_index", edges)
+    totals = np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_total", totals)
+    rim = np.bincount(edges, minlength=len(mesh.edges))[edges] == 1
+    ends = np.empty(2 * len(mesh.edges), dtype=np.int32)
+    mesh.edges.foreach_get("vertices", ends)
+    return ends.reshape(-1, 2)[edges[rim]], np.repeat(np.arange(len(totals)), totals)[rim]
+
+
 def signature(mesh):
     """The hash of the faces (row 26)."""
     starts = np.empty(len(mesh.polygons), dtype=np.int32)

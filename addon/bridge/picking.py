@@ -1,52 +1,54 @@
-"""Surfaces and marks under the mouse."""
+"""What is under the mouse: marks, rims and surfaces of the source and the target."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import bmesh
 import bpy
-from bpy_extras import view3d_utils
+import numpy as np
+from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-REACH = 12  # pixels: so near to a mark the mouse is on it
+from ..core.picking import MARK_REACH, RIM_REACH, View, grabbed, near_edges
+from ..core.refused import Refused
+from ..core.surface import Point, closest
+from .markers import SIDES, marks_of
+from .meshes import positions, rims
+from .sight import Sight
+
+CURLED = -0.35  # cosine: faces that curl in at a rim may look so far away from the eye
+OTHER_SHAPE = 0.1  # of an object's size: modifiers that make other vertices move the surface by less
 
 
-@dataclass
-class Picking:
-    """The half of a pair that is picked so far: a side and a vertex, or None and -1."""
+class Pane(NamedTuple):
+    """A region of a 3D view under the mouse, and where in it."""
 
-    side: str | None = None
-    vertex: int = -1
+    region: bpy.types.Region
+    space: bpy.types.SpaceView3D
+    spot: tuple[int, int]
+
+    @property
+    def view(self):
+        """As core.picking.View."""
+        return view_of(self.region, self.region.data)
 
 
-class Surface:
-    """A mesh object as it is shown now; of modifiers that change its vertices nothing is seen."""
+def view_of(region, data):
+    """A region and its 3D view's data as core.picking.View."""
+    return View(np.array(data.perspective_matrix, dtype=np.float64), (region.width, region.height))
 
-    def __init__(self, obj, depsgraph):
-        self._obj, self._tree = obj.evaluated_get(depsgraph), None
-        self._mesh = shown_mesh(obj, depsgraph)
-        if self._mesh == obj.data:
-            edit = bmesh.new()
-            edit.from_mesh(obj.data)
-            self._tree = BVHTree.FromBMesh(edit)
-            edit.free()
 
-    def hit(self, origin, direction):
-        """(distance, vertex) where a ray of the world first meets the surface, or None."""
-        matrix = self._obj.matrix_world
-        back = matrix.inverted_safe()
-        start, way = back @ origin, back.to_3x3() @ direction
-        if self._tree is None:
-            place, face = self._obj.ray_cast(start, way)[1::2]
-        else:
-            place, _, face, _ = self._tree.ray_cast(start, way)
-        if place is None or face in (None, -1):
-            return None
-        vertices = self._mesh.vertices
-        nearest = min(
-            self._mesh.polygons[face].vertices,
-            key=lambda vertex: (vertices[vertex].co - place).length_squared,
-        )
-        return (matrix @ place - origin).length, nearest
+def pane_under(window, x, y):
+    """The Pane under the mouse, or None."""
+    for area in window.screen.areas:
+        inside = [
+            region
+            for region in area.regions
+            if region.width > 1 and 0 <= x - region.x < region.width and 0 <= y - region.y < region.height
+        ]
+        if area.type == "VIEW_3D" and inside and all(region.type == "WINDOW" for region in inside):
+            region = inside[0]
+            return Pane(region, area.spaces.active, (x - region.x, y - region.y))
+    return None
 
 
 def shown_mesh(obj, depsgraph):
@@ -56,40 +58,151 @@ def shown_mesh(obj, depsgraph):
     return found if same else obj.data
 
 
-def view_under(window, x, y):
-    """(region, its 3D view's data, x and y in it) under the mouse, or None."""
-    for area in window.screen.areas:
-        inside = [
-            region
-            for region in area.regions
-            if region.width > 1 and 0 <= x - region.x < region.width and 0 <= y - region.y < region.height
+class Stage:
+    """Source and target as one view shows them now; made anew for every look."""
+
+    def __init__(self, scene, depsgraph, view, space):
+        settings = scene.lissom_transfer
+        self._scene, self._view = scene, view
+        self._sight = Sight(scene, depsgraph, space)
+        self._ends = {side: getattr(settings, side) for side in SIDES}
+        self._ends = {side: obj for side, obj in self._ends.items() if obj and self._sight.shows(obj)}
+        self._meshes = {side: shown_mesh(obj, depsgraph) for side, obj in self._ends.items()}
+
+    def marks(self, behind=True):
+        """[(Mark, (x, y), hidden)] of all marks that lie in the view.
+
+        Without ``behind`` those that are turned away alone are hidden: a look at what is in front searches
+        each surface anew that has moved.
+        """
+        return [(mark, spot, self._hidden(mark, behind)) for mark, spot in self._placed()]
+
+    def mark_at(self, mouse, scale):
+        """(Mark, (x, y)) of the mark under the mouse, with so many pixels a unit, or None."""
+        reach = MARK_REACH * scale
+        near = [entry for entry in self._placed() if np.hypot(*np.subtract(entry[1], mouse)) <= reach]
+        hidden = [self._hidden(mark) for mark, _ in near]
+        number = grabbed([spot for _, spot in near], hidden, mouse)
+        return None if number is None else near[number]
+
+    def point_at(self, mouse, scale, exact=False, only=None):
+        """(side, Point, (x, y)) of the place under the mouse, drawn to a rim that is near, or None.
+
+        ``exact`` draws it only where nothing else is under the mouse; ``only`` looks at one side. Refused on
+        the inside of a mesh.
+        """
+        seen, side = self._under(mouse)
+        rim = self._rim_at(mouse, scale, exact, side, only)
+        if rim is not None:
+            return rim
+        if side is not None and only in (None, side):
+            point = self._point(side, seen)
+            return None if point is None else (side, point, mouse)
+        if only is None and seen and seen.itself and seen.obj in self._ends.values():
+            raise Refused(
+                f"That is the inside of '{seen.obj.name}', seen through an opening: click its outside. "
+                "If it is the outside, its normals point inwards: Mesh > Normals > Recalculate Outside"
+            )
+        return None
+
+    def rim_at(self, mouse, scale, exact=False):
+        """As ``point_at``, of rims alone."""
+        return self._rim_at(mouse, scale, exact, self._under(mouse)[1], None)
+
+    def _under(self, mouse):
+        """What is Seen under the mouse, and the side whose outside it is, or None."""
+        (origin,), (direction,) = self._view.rays([mouse])
+        seen = self._sight.along(origin, direction)
+        sides = [side for side, obj in self._ends.items() if seen and seen.obj == obj]
+        return seen, sides[0] if sides and seen.front and seen.itself else None
+
+    def _placed(self):
+        places = [(mark, self._place(mark)) for mark in marks_of(self._scene)]
+        places = [(mark, place) for mark, place in places if place is not None]
+        if not places:
+            return []
+        spots, _ = self._view.project(np.array([place for _, place in places]))
+        within = ((spots >= 0) & (spots < self._view.size)).all(axis=1)  # not a number is not
+        return [
+            (mark, tuple(spot))
+            for (mark, _), spot, shown in zip(places, spots.tolist(), within, strict=True)
+            if shown
         ]
-        if area.type == "VIEW_3D" and inside and all(region.type == "WINDOW" for region in inside):
-            region = inside[0]
-            return region, region.data, (x - region.x, y - region.y)
-    return None
 
+    def _place(self, mark):
+        """(3,) in the world, or None where the side is not seen or has no such vertices."""
+        mesh = self._meshes.get(mark.side)
+        if mesh is None or max(mark.point.corners) >= len(mesh.vertices):
+            return None
+        return self._ends[mark.side].matrix_world @ self._mean(mark, "co")
 
-def ray(region, view, spot):
-    """(origin, direction) in the world."""
-    return (
-        view3d_utils.region_2d_to_origin_3d(region, view, spot),
-        view3d_utils.region_2d_to_vector_3d(region, view, spot),
-    )
+    def _mean(self, mark, what):
+        vertices = self._meshes[mark.side].vertices
+        parts = zip(mark.point.corners, mark.point.weights, strict=True)
+        return sum((weight * getattr(vertices[corner], what) for corner, weight in parts), Vector((0, 0, 0)))
 
+    def _hidden(self, mark, behind=True):
+        obj, place = self._ends[mark.side], self._place(mark)
+        normal = obj.matrix_world.inverted_safe().to_3x3().transposed() @ self._mean(mark, "normal")
+        if self._facing(place, normal) < 0:
+            return True
+        return behind and self._sight.hides(self._view, place, obj.dimensions.length)
 
-def on_screen(obj, vertex, mesh, region, view):
-    """(x, y) of a vertex in a view, or None where it is outside of it or turned away."""
-    if vertex >= len(mesh.vertices):
+    def _facing(self, place, normal):
+        """The cosine between a normal and the way to the eye."""
+        (origin,), _ = self._view.rays(self._view.project(np.array([place]))[0])
+        return normal.normalized().dot((Vector(origin) - place).normalized())
+
+    def _rim_at(self, mouse, scale, exact, under, only):
+        if under is not None and exact:
+            return None
+        reach = RIM_REACH * scale
+        for side in [under] if under else self._ends:
+            if only not in (None, side):
+                continue
+            obj, mesh = self._ends[side], self._meshes[side]
+            edges, faces = rims(mesh)
+            if not len(edges):
+                continue
+            matrix = np.array(obj.matrix_world, dtype=np.float64)
+            ends = positions(mesh.vertices)[edges] @ matrix[:3, :3].T + matrix[:3, 3]
+            outward = obj.matrix_world.inverted_safe().to_3x3().transposed()
+            for edge, share in near_edges(self._view, ends, mouse, reach):
+                place = Vector((1 - share) * ends[edge, 0] + share * ends[edge, 1])
+                facing = self._facing(place, outward @ mesh.polygons[int(faces[edge])].normal)
+                if facing < CURLED or self._sight.hides(self._view, place, obj.dimensions.length):
+                    continue
+                a, b = edges[edge].tolist()
+                spot = tuple(self._view.project(np.array([place]))[0][0].tolist())
+                return side, Point.of((a, b, a), (1 - share, share, 0)), spot
         return None
-    point = mesh.vertices[vertex]
-    place = obj.matrix_world @ point.co
-    normal = obj.matrix_world.inverted_safe().to_3x3().transposed() @ point.normal
-    eye = view.view_matrix.inverted_safe().translation
-    toward = eye - place if view.is_perspective else view.view_matrix.to_3x3()[2]
-    if normal.dot(toward) < 0:
-        return None
-    return view3d_utils.location_3d_to_region_2d(region, view, place)
+
+    def _point(self, side, seen):
+        obj, mesh = self._ends[side], self._meshes[side]
+        place, face = obj.matrix_world.inverted_safe() @ seen.place, seen.face
+        if mesh == obj.data:  # as other vertices are shown
+            place, face = _nearest(obj.data, place)
+            if face is None:
+                return None
+        mesh.calc_loop_triangles()
+        polygon = mesh.polygons[face]
+        first = polygon.loop_start - 2 * face  # a face of k corners has k - 2 triangles
+        corners = [mesh.loop_triangles[first + i].vertices for i in range(polygon.loop_total - 2)]
+        names, rows = np.unique(np.array(corners), return_inverse=True)
+        vertices = np.array([mesh.vertices[name].co for name in names.tolist()])
+        (point,), _ = closest(vertices, rows.reshape(-1, 3), [np.array(place)])
+        return Point.of([names[corner] for corner in point.corners], point.weights)
+
+
+def _nearest(mesh, place):
+    """(place, face) of a mesh nearest to a place that modifiers show, or (None, None) where that is far."""
+    edit = bmesh.new()
+    edit.from_mesh(mesh)
+    tree = BVHTree.FromBMesh(edit)
+    edit.free()
+    size = np.linalg.norm(np.ptp(positions(mesh.vertices), axis=0))
+    found, _, face, _ = tree.find_nearest(place, OTHER_SHAPE * size)
+    return found, face
 
 
 def ui_scale():

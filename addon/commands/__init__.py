@@ -8,9 +8,9 @@ import argparse
 import bpy
 import lissom
 
-from . import inbetween, transfer
+from . import image, inbetween, transfer
 
-COMMANDS = {"inbetween": inbetween, "transfer": transfer}
+COMMANDS = {"image": image, "inbetween": inbetween, "transfer": transfer}
 BAD_INPUT, CANCELLED = 2, 130
 
 _handle = None

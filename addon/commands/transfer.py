@@ -106,8 +106,8 @@ def _common(arguments, sources):
 
 def _doubtful_markers():
     return [
-        {"name": name, "source": source, "target": target, "reason": why}
-        for (source, target), (name, why) in session.fit.doubts.items()
+        {"name": marker.name, "source": marker.source, "target": marker.target, "reason": why}
+        for marker, why in session.fit.doubts.values()
     ]
 
 

@@ -1,55 +1,17 @@
-"""Marker pairs, curves and their file.
+"""Marker pairs and curves."""
 
-A marker says that vertex ``source`` of one mesh and vertex ``target`` of another are the same place. The
-file is JSON::
-
-    {"format": "lissom-markers", "version": 1,
-     "source": {"name": "Face", "vertices": 26719}, "target": {"name": "Suzanne", "vertices": 507},
-     "pairs": [{"name": "tip of the nose", "source": 1834, "target": 92,
-                "source_place": [0.0, -1.2, 0.3], "target_place": [0.0, -0.9, 0.1]}]}
-
-``source`` and ``target`` of the whole are notes for the reader; only ``vertices`` is compared on loading. The
-places, in the objects' own coordinates, may be missing; where the count of vertices has changed, markers are
-found again by them. ``"mirror": false`` says that a pair has no counterpart on the other side.
-
-Curves, paths along edges of both meshes that belong together, follow where there are any::
-
-     "curves": [{"name": "left lid", "source": [4, 5, 9, 4], "target": [7, 2, 3, 7],
-                 "source_places": [[0.0, -1.2, 0.3], ...], "target_places": [...]}]
-
-One that ends with its first vertex is a loop.
-
-Lists as published transfer codes have them are read too: a pair of vertices a line, counted from 0, with a
-comma, a colon or a space between, as in ``1834, 92``; a .cons file has their number in a line before them.
-"""
-
-import json
-import os
-import re
 from typing import NamedTuple
 
-from .files import replacing
-from .names import MAX_BYTES
 from .refused import Refused, first
-
-FORMAT = "lissom-markers"
-VERSION = 1
-
-# Far above any real file (a thousand pairs take 80 kB), far below what could stall Blender (row 41).
-MAX_FILE_BYTES = 4 * 1024 * 1024
-MAX_DEPTH = 16
-MAX_PAIRS = 20_000
-MAX_CURVES = 1000
-
-_LINE_OF_LIST = re.compile(r"(\d{1,10})(?:\s*[,:\s]\s*(\d{1,10}))?$")
-_STRING_OR_BRACKET = re.compile(r'"(?:[^"\\]|\\.)*+(?:"|\Z|\\)|[\[\]{}]', re.DOTALL)
+from .surface import Point
 
 
 class Marker(NamedTuple):
-    """One pair: a label and a vertex index on either mesh.
+    """One pair: a label and a point of either mesh, by the vertex it is at, or nearest to, and a Point.
 
-    Its places are those of the vertices at rest, in the objects' own coordinates, or None where unknown;
-    ``mirror`` says whether symmetry may complete it.
+    A Point is None at the vertex itself. The places are those of the points at rest, in the objects' own
+    coordinates, or None where unknown; ``mirror`` says whether symmetry may complete the pair; ``number``
+    is the one that it keeps whatever becomes of the others, 0 where it has none yet.
     """
 
     name: str
@@ -58,11 +20,30 @@ class Marker(NamedTuple):
     source_place: tuple | None = None
     target_place: tuple | None = None
     mirror: bool = True
+    source_point: Point | None = None
+    target_point: Point | None = None
+    number: int = 0
+
+    @classmethod
+    def between(cls, name, source, target):
+        """The pair of two points."""
+        return cls(name, -1, -1).on("source", source).on("target", target)
+
+    def on(self, side, point):
+        """The same pair at another point of "source" or "target"."""
+        return self._replace(
+            **{side: point.vertex, f"{side}_point": None if point.is_vertex else point, f"{side}_place": None}
+        )
+
+    def point(self, side):
+        """That of "source" or "target"."""
+        point = self.source_point if side == "source" else self.target_point
+        return point or Point.at(self.source if side == "source" else self.target)
 
     @property
-    def vertices(self):
-        """(source, target)."""
-        return self.source, self.target
+    def ends(self):
+        """Its points on (source, target): what tells a pair from others."""
+        return self.point("source"), self.point("target")
 
     def place(self, side):
         """That of "source" or "target"."""
@@ -92,86 +73,6 @@ class Curve(NamedTuple):
         return tuple(" ".join(map(str, side)) for side in self.vertices)
 
 
-class MarkerFile(NamedTuple):
-    """What a file holds; a count of vertices is None where the file does not say."""
-
-    pairs: list[Marker]
-    source_vertices: int | None
-    target_vertices: int | None
-    curves: list[Curve] = []
-
-
-def save(path, pairs, source, target, curves=()):
-    """Writes them to ``path``; ``source`` and ``target`` are (name, vertex count) of the two meshes."""
-    text = dumps(pairs, source, target, curves)
-    with replacing(path, "w", encoding="utf-8") as file:
-        file.write(text)
-
-
-def load(path):
-    """Reads a marker file; Refused where it is missing, too large, too deep or malformed."""
-    if not os.path.isfile(path):  # a pipe or a device would block
-        raise Refused(f"Marker file '{path}' does not exist")
-    try:
-        with open(path, "rb") as file:
-            data = file.read(MAX_FILE_BYTES + 1)
-    except OSError as error:
-        raise Refused(f"Marker file '{path}' cannot be read: {error.strerror}") from error
-    if len(data) > MAX_FILE_BYTES:
-        raise Refused(
-            f"Marker file '{path}' is larger than {MAX_FILE_BYTES // 2**20} MiB: this is no marker file"
-        )
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise Refused(f"Marker file '{path}' is not text: byte {error.start} is not UTF-8") from error
-    try:
-        return loads(text)
-    except Refused as error:
-        raise Refused(f"Marker file '{path}': {error}") from error
-
-
-def dumps(pairs, source, target, curves=()):
-    """The text of a marker file, one pair or curve a line."""
-    head = {
-        "format": FORMAT,
-        "version": VERSION,
-        "source": {"name": source[0], "vertices": source[1]},
-        "target": {"name": target[0], "vertices": target[1]},
-    }
-    parts = {"pairs": list(map(_row, pairs))} | ({"curves": list(map(_known, curves))} if curves else {})
-    body = "".join(f',\n "{name}": {_listing(rows)}' for name, rows in parts.items())
-    return json.dumps(head, ensure_ascii=False, indent=1)[:-2] + f"{body}\n}}\n"
-
-
-def loads(text):
-    """Reads the text of a marker file."""
-    if len(text) > MAX_FILE_BYTES:
-        raise Refused(f"more than {MAX_FILE_BYTES // 2**20} MiB of text")
-    if text.lstrip()[:1].isdigit() or text.lstrip().startswith("#"):
-        return MarkerFile(_listed(text), None, None)
-    _check_depth(text)
-    try:
-        document = json.loads(text, parse_constant=_no_constant)
-    except (ValueError, RecursionError) as error:
-        raise Refused(f"not valid JSON: {error}") from error
-    if not isinstance(document, dict) or document.get("format") != FORMAT:
-        raise Refused(f'no lissom markers: "format" must be "{FORMAT}"')
-    version = document.get("version")
-    if not _is_index(version) or version != VERSION:
-        raise Refused(f'"version" is {version!r:.40}, this release reads {VERSION}: update Lissom')
-    found = []
-    for name, most, read in (("pairs", MAX_PAIRS, _pair), ("curves", MAX_CURVES, _curve)):
-        rows = document.get(name, [] if name == "curves" else None)
-        if not isinstance(rows, list):
-            raise Refused(f'"{name}" must be a list')
-        if len(rows) > most:
-            raise Refused(f'"{name}" holds {len(rows)} entries, more than {most}')
-        found.append([read(number, row) for number, row in enumerate(rows)])
-    pairs, curves = found
-    return MarkerFile(pairs, _vertices(document, "source"), _vertices(document, "target"), curves)
-
-
 def check_curves(curves, source_vertices, target_vertices):
     """Refused where an index is out of range or two curves are the same on a mesh (rows 9 and 28)."""
     for side, count in (("source", source_vertices), ("target", target_vertices)):
@@ -192,9 +93,9 @@ def check_curves(curves, source_vertices, target_vertices):
 
 
 def check(pairs, source_vertices, target_vertices):
-    """Refused where an index is out of range or two pairs share a vertex (rows 9 and 28)."""
+    """Refused where an index is out of range or two pairs share a point (rows 9 and 28)."""
     for side, count in (("source", source_vertices), ("target", target_vertices)):
-        beyond = [marker for marker in pairs if not 0 <= getattr(marker, side) < count]
+        beyond = [marker for marker in pairs if not 0 <= max(marker.point(side).corners) < count]
         if beyond:
             listed = first(f"'{marker.name}' at {getattr(marker, side)}" for marker in beyond)
             raise Refused(
@@ -203,137 +104,31 @@ def check(pairs, source_vertices, target_vertices):
             )
         seen = {}
         for marker in pairs:
-            other = seen.setdefault(getattr(marker, side), marker)
+            point = marker.point(side)
+            other = seen.setdefault(point, marker)
             if other is not marker:
+                where = f"{side} vertex {point.vertex}" if point.is_vertex else f"point of the {side}"
                 raise Refused(
-                    f"Markers '{other.name}' and '{marker.name}' lie on the same {side} vertex "
-                    f"{getattr(marker, side)}: remove one of them"
+                    f"Markers '{other.name}' and '{marker.name}' lie on the same {where}: remove one of them"
                 )
 
 
-def _listing(rows):
-    lines = ",\n".join("  " + json.dumps(row, ensure_ascii=False) for row in rows)
-    return f"[\n{lines}\n ]" if rows else "[]"
+def numbered(pairs):
+    """The pairs, each with a number of its own: those without one get the next that no pair has."""
+    free = max((marker.number for marker in pairs), default=0) + 1
+    taken, found = set(), []
+    for marker in pairs:
+        if marker.number < 1 or marker.number in taken:
+            marker, free = marker._replace(number=free), free + 1
+        taken.add(marker.number)
+        found.append(marker)
+    return found
 
 
-def _known(entry):
-    return {name: value for name, value in entry._asdict().items() if value is not None}
-
-
-def _row(marker):
-    row = _known(marker)
-    if marker.mirror:
-        del row["mirror"]
-    return row
-
-
-def _listed(text):
-    pairs, promised = [], None
-    for number, line in enumerate(text.splitlines(), start=1):
-        line = line.split("#")[0].strip()
-        if not line:
-            continue
-        match = _LINE_OF_LIST.match(line)
-        alone = match is not None and match[2] is None
-        if match is None or (alone and (pairs or promised is not None)):
-            raise Refused(f"line {number} is no pair of vertices: {line!r:.40}")
-        if alone:
-            promised = int(match[1])
-            continue
-        source, target = int(match[1]), int(match[2])
-        if not (_is_index(source) and _is_index(target)):
-            raise Refused(f"line {number} is no pair of vertices: {line!r:.40}")
-        pairs.append(Marker(f"Marker {len(pairs) + 1}", source, target))
-        if len(pairs) > MAX_PAIRS:
-            raise Refused(f"holds more than {MAX_PAIRS} pairs")
-    if promised not in (None, len(pairs)):
-        raise Refused(f"promises {promised} pairs and has {len(pairs)}")
-    return pairs
-
-
-def _check_depth(text):
-    depth = 0
-    for match in _STRING_OR_BRACKET.finditer(text):
-        depth += {"[": 1, "{": 1, "]": -1, "}": -1}.get(match[0], 0)
-        if depth > MAX_DEPTH:
-            raise Refused(f"nested deeper than {MAX_DEPTH} levels")
-
-
-def _no_constant(word):
-    raise ValueError(f"{word} is not a number of JSON")
-
-
-def _is_index(value):
-    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 2**31
-
-
-def _is_place(value):
-    return (
-        isinstance(value, list)
-        and len(value) == 3
-        and all(isinstance(x, int | float) and not isinstance(x, bool) for x in value)
-        and all(abs(x) < 1e30 for x in value)
-    )
-
-
-def _name(kind, number, row, default):
-    name = row.get("name", default)
-    if not isinstance(name, str):
-        raise Refused(f'"{kind}" entry {number}: "name" must be text, not {name!r:.40}')
-    return name.encode(errors="ignore")[:MAX_BYTES].decode(errors="ignore")
-
-
-def _curve(number, row):
-    if not isinstance(row, dict):
-        raise Refused(f'"curves" entry {number} must be an object with "source" and "target"')
-    found = {"name": _name("curves", number, row, f"Curve {number + 1}")}
-    for side in ("source", "target"):
-        vertices, places = row.get(side), row.get(f"{side}_places")
-        if not isinstance(vertices, list) or len(vertices) < 2 or not all(map(_is_index, vertices)):
-            raise Refused(
-                f'"curves" entry {number}: "{side}" must be a list of two vertex indices or more, '
-                f"not {vertices!r:.40}"
-            )
-        if places is not None:
-            if (
-                not isinstance(places, list)
-                or len(places) != len(vertices)
-                or not all(map(_is_place, places))
-            ):
-                raise Refused(
-                    f'"curves" entry {number}: "{side}_places" must be three numbers for each vertex, '
-                    f"not {places!r:.40}"
-                )
-            places = tuple(tuple(map(float, place)) for place in places)
-        found |= {side: tuple(vertices), f"{side}_places": places}
-    return Curve(**found)
-
-
-def _pair(number, row):
-    if not isinstance(row, dict):
-        raise Refused(f'"pairs" entry {number} must be an object with "source" and "target"')
-    for side in ("source", "target"):
-        if not _is_index(row.get(side)):
-            raise Refused(
-                f'"pairs" entry {number}: "{side}" must be a vertex index, not {row.get(side)!r:.40}'
-            )
-    name = _name("pairs", number, row, f"Marker {number + 1}")
-    places = [row.get(f"{side}_place") for side in ("source", "target")]
-    for side, place in zip(("source", "target"), places, strict=True):
-        if place is not None and not _is_place(place):
-            raise Refused(f'"pairs" entry {number}: "{side}_place" must be three numbers, not {place!r:.40}')
-    if not isinstance(row.get("mirror", True), bool):
-        raise Refused(f'"pairs" entry {number}: "mirror" must be true or false, not {row["mirror"]!r:.40}')
-    return Marker(
-        name,
-        row["source"],
-        row["target"],
-        *(None if place is None else tuple(map(float, place)) for place in places),
-        row.get("mirror", True),
-    )
-
-
-def _vertices(document, side):
-    note = document.get(side)
-    count = note.get("vertices") if isinstance(note, dict) else None
-    return count if _is_index(count) else None
+def new_name(pairs):
+    """That of the next pair: its number, unless it is taken."""
+    taken = {marker.name for marker in pairs}
+    number = max((marker.number for marker in numbered(pairs)), default=0) + 1
+    while f"Marker {number}" in taken:
+        number += 1
+    return f"Marker {number}"

@@ -1,6 +1,5 @@
 """Transfer of keys: fit where none is at hand, then all keys as right-hand sides of one factorization."""
 
-import re
 from typing import NamedTuple
 
 import lissom
@@ -8,8 +7,6 @@ import numpy as np
 
 from .refused import Refused
 from .work import Block, Work
-
-_CURVE = re.compile(r"curves: number (\d+)")
 
 
 def fit_work(source, target, markers, options):
@@ -43,22 +40,52 @@ def fit_steps(source, target, markers, options):
     return fit
 
 
-def told(fit, names, exact, curves=()):
-    """A fit's warnings with its markers and curves as lists of their names show them, which count from 1."""
-    own = [f"marker {i + 1}, '{names[i]}', is {why}" for i, why in doubts(fit, exact).items()]
-    others = [line for line in fit.report["warnings"] if line not in fit.doubtful_warnings]
-    return [_CURVE.sub(lambda match: f"curve '{curves[int(match[1])]}'", line) for line in others] + own
+def told(fit, markers, exact, curves=()):
+    """A fit's warnings, about its markers (of core.markers) and curves in words of those who see their lists.
+
+    ``curves`` are the names of these.
+    """
+    theirs = {*fit.doubtful_warnings, *fit.curve_warnings}
+    others = [line for line in fit.report["warnings"] if line not in theirs]
+    own = [
+        f"marker {markers[i].number or i + 1}, '{markers[i].name}', is {why}"
+        for i, why in doubts(fit, exact).items()
+    ]
+    return [*others, *(f"curve '{curves[i]}' {why}" for i, why in curve_doubts(fit, exact)), *own]
 
 
 def doubts(fit, exact):
     """{number: why} of the markers that a fit doubts; ``exact`` ones are followed all the same."""
-    what = "kept, since the tolerance is 0" if exact else "left out"
-    doubted = zip(fit.doubtful_markers.tolist(), fit.doubtful_percents, strict=True)
     return {
-        number: f"{percent:.1f} % of the target's size away from where the others put it; {what}: "
-        "look whether it is out of place or swapped"
-        for number, percent in doubted
+        number: _out_of_place(percent, exact)
+        for number, percent in zip(fit.doubtful_markers.tolist(), fit.doubtful_percents, strict=True)
     }
+
+
+def _out_of_place(percent, exact):
+    what = "kept, since the tolerance is 0" if exact else "left out"
+    return (
+        f"{percent:.1f} % of the target's size away from where the others put it; {what}: "
+        "look whether it is out of place or swapped"
+    )
+
+
+def curve_doubts(fit, exact):
+    """(number, what is said) of the curves that a fit doubts, did not meet, or found in another order."""
+    for number, percent in zip(fit.doubtful_curves.tolist(), fit.doubtful_curve_percents, strict=True):
+        yield number, f"is {_out_of_place(percent, exact)}"
+    for number, percent in zip(fit.unmet_curves.tolist(), fit.unmet_curve_percents, strict=True):
+        yield (
+            number,
+            f"is met within {percent:.1f} % of the target's size only: look whether it is the same one on "
+            "both meshes",
+        )
+    for number in fit.reordered_curves.tolist():
+        yield (
+            number,
+            "has its markers in another order on the target, so that it is matched by its length alone: "
+            "look whether any are swapped",
+        )
 
 
 class Carried(NamedTuple):

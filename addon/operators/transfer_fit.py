@@ -84,9 +84,9 @@ def where(objects):
 class Memory(NamedTuple):
     """A fit with what it was made of: a digest to know it by, objects, pairs and curves for the panel.
 
-    ``doubts`` has the name of each doubtful marker, and what is said against it, by its vertices, not its
-    row: rows change places, and a marker that is corrected is free of doubt. ``weak`` says which region is
-    off most, or nothing.
+    ``doubts`` has each doubtful marker, and what is said against it, by its points, not its row: rows change
+    places, and a marker that is corrected is free of doubt. ``weak`` says which region is off most, or
+    nothing.
     """
 
     digest: str
@@ -141,10 +141,15 @@ class Request:
                 self.options[f"{side}_mask"] = getattr(self, side).mask(group)
         if self.curves:
             self.options["curves"] = [tuple(map(list, curve.vertices)) for curve in self.curves]
-        self._vertices = [marker.vertices for marker in self.pairs]
-        self._names = [marker.name for marker in self.pairs]
         self._exact = operator.marker_tolerance == 0
-        self.markers = np.array(self._vertices, dtype=np.int64) if self.pairs else None
+        ends = [(marker.source, marker.target) for marker in self.pairs]
+        self._vertices = np.array(ends, dtype=np.int64)
+        self.markers = self._vertices if self.pairs else None
+        for name, side in (("source_points", "source"), ("points", "target")):
+            points = [marker.point(side) for marker in self.pairs]
+            if not all(point.is_vertex for point in points):
+                rest = getattr(self, side).rest()  # the main object's vertices come first
+                self.options[name] = np.array([point.position(rest) for point in points])
 
     def geometry(self):
         """(vertices, triangles) of source and target in solve space."""
@@ -153,7 +158,7 @@ class Request:
     def digest(self):
         """Equal exactly when a fit made for one request serves the other."""
         digest = hashlib.blake2b(digest_size=16)
-        for array in (*self.geometry()[0], *self.geometry()[1], np.array(self._vertices)):
+        for array in (*self.geometry()[0], *self.geometry()[1], self._vertices):
             digest.update(np.ascontiguousarray(array).tobytes())
         for name, option in self.options.items():
             digest.update(f"{name} ".encode())
@@ -172,19 +177,20 @@ class Request:
             return ""
         worst = found[fit.distances[found].argmax()]
         marked = [marker.source for marker in self.pairs]
-        place = words(vertices[worst], vertices, marked, self._names)
+        place = words(vertices[worst], vertices, marked, [marker.name for marker in self.pairs])
         off = 100 * fit.distances[worst] / diagonal
         return f"Least sure {place} of the source, up to {off:.1f} % off: look there"
 
     def told(self, fit):
         """What there is to warn of, about the markers and the fit."""
-        return [*self.warnings, *told(fit, self._names, self._exact, [curve.name for curve in self.curves])]
+        return [*self.warnings, *told(fit, self.pairs, self._exact, [curve.name for curve in self.curves])]
 
     def remember(self, context, fit):
         """Keeps the fit for the next transfer, and in the scene where its markers are now."""
-        doubted = {self._vertices[i]: (self._names[i], why) for i, why in doubts(fit, self._exact).items()}
+        ends = [marker.ends for marker in self.pairs]
+        doubted = {ends[i]: (self.pairs[i], why) for i, why in doubts(fit, self._exact).items()}
         curves = [curve.texts for curve in self.curves]
-        known = self.digest(), self.source, self.target, self._vertices, curves
+        known = self.digest(), self.source, self.target, ends, curves
         session.fit = Memory(*known, fit, summary(fit.report), doubted, self._weak(fit))
         if self._own and any(self._listed) and self._listed == _listed(context.scene):
             ends = self.source.objects()[0], self.target.objects()[0]

@@ -9,7 +9,8 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ..bridge import markers as bridge_markers
 from ..bridge import meshes
-from ..core import markers, marks
+from ..bridge.screen import redraw_views
+from ..core import marker_file, markers, marks
 from ..core.curves import ordered
 from ..core.refused import Refused, first
 from .job import allowed, answering
@@ -100,10 +101,7 @@ class LISSOM_OT_marker_add(bpy.types.Operator):
                 f"{counts[0]} vertices are selected on each mesh: select one on each, or go to Edit Mode"
             )
         known, warnings = bridge_markers.current(context.scene, source, target)
-        added = []
-        for source_vertex, target_vertex in zip(*sides, strict=True):
-            number = len(known) + len(added) + 1
-            added.append(markers.Marker(self.name or f"Marker {number}", source_vertex, target_vertex))
+        added = [markers.Marker(self.name, *pair) for pair in zip(*sides, strict=True)]
         markers.check(known + added, len(source.data.vertices), len(target.data.vertices))
         bridge_markers.append(context.scene, added, source, target)
         for warning in warnings:
@@ -187,8 +185,7 @@ class LISSOM_OT_marker_remove(bpy.types.Operator):
         index = self.index if self.index >= 0 else settings.active_marker
         if index >= len(settings.markers):
             raise Refused(f"There is no marker {index}: the list holds {len(settings.markers)}")
-        settings.markers.remove(index)
-        settings.active_marker = max(0, min(settings.active_marker, len(settings.markers) - 1))
+        bridge_markers.remove(context.scene, index)
 
 
 class LISSOM_OT_marker_clear(bpy.types.Operator):
@@ -207,10 +204,11 @@ class LISSOM_OT_marker_clear(bpy.types.Operator):
         context.scene.lissom_transfer.markers.clear()
         context.scene.lissom_transfer.curves.clear()
         context.scene.lissom_transfer.active_marker = 0
+        redraw_views()
 
 
 class LISSOM_OT_marker_show(bpy.types.Operator):
-    """Select the vertices of this marker pair on both meshes"""
+    """Select the vertices at this marker pair, or nearest to it, on both meshes"""
 
     bl_idname = "lissom.marker_show"
     bl_label = "Show Marker Pair"
@@ -230,8 +228,8 @@ class LISSOM_OT_marker_show(bpy.types.Operator):
         ends = settings.source, settings.target
         marker = bridge_markers.current(context.scene, *ends)[0][self.index]
         markers.check([marker], *(len(obj.data.vertices) for obj in ends))
-        for obj, vertex in zip(ends, marker.vertices, strict=True):
-            meshes.select_only(obj, vertex)
+        for obj, point in zip(ends, marker.ends, strict=True):
+            meshes.select_only(obj, point.vertex)
         settings.active_marker = self.index
 
 
@@ -248,7 +246,7 @@ class LISSOM_OT_marker_load(ImportHelper, bpy.types.Operator):
     @answering
     def execute(self, context):
         settings = context.scene.lissom_transfer
-        loaded = markers.load(bpy.path.abspath(self.filepath))
+        loaded = marker_file.load(bpy.path.abspath(self.filepath))
         if not (loaded.pairs or loaded.curves):
             raise Refused(f"Marker file '{self.filepath}' holds no pairs: the list stays as it is")
         pairs, curves, warnings = loaded.pairs, loaded.curves, []
@@ -295,7 +293,7 @@ class LISSOM_OT_marker_save(ExportHelper, bpy.types.Operator):
         curves = bridge_markers.curves_placed(curves, source, target)
         path = bpy.path.abspath(self.filepath)
         try:
-            markers.save(path, pairs, *ends, curves)
+            marker_file.save(path, pairs, *ends, curves)
         except OSError as error:
             raise Refused(f"Marker file '{path}' cannot be written: {error.strerror}") from error
         for warning in warnings:
@@ -330,11 +328,12 @@ class LISSOM_OT_marker_mirror(bpy.types.Operator):
         known, warnings = bridge_markers.current(context.scene, *ends)
         counts = [len(obj.data.vertices) for obj in ends]
         markers.check(known, *counts)
+        surfaces = [bridge_markers.surface(obj) for obj in ends]
         images = [
-            marks.mirrored(meshes.rest_positions(obj.data), [getattr(marker, side) for marker in known], axis)
-            for obj, side, axis in zip(ends, bridge_markers.SIDES, 2 * ["XYZ".index(self.axis)], strict=True)
+            marks.mirrored(*surface, [marker.point(side) for marker in known], "XYZ".index(self.axis))
+            for side, surface in zip(bridge_markers.SIDES, surfaces, strict=True)
         ]
-        added, lost = marks.completed(known, *(found.tolist() for found in images))
+        added, lost = marks.completed(known, images, [vertices for vertices, _ in surfaces])
         if not added and lost:
             raise Refused(f"No counterpart is on the other side of these: {first(map(repr, lost))}")
         bridge_markers.append(context.scene, added, *ends)

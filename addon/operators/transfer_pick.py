@@ -1,4 +1,4 @@
-"""Marker pairs picked with the mouse on both surfaces."""
+"""Marker pairs picked with the mouse on both surfaces: the events; core.picking has the logic."""
 
 import bpy
 
@@ -8,18 +8,20 @@ from ..bridge import picking
 from ..bridge.markers import SIDES
 from ..bridge.screen import redraw_sidebars, redraw_views
 from ..core import markers
+from ..core.picking import Picking
 from ..core.refused import Refused
 from .job import allowed, answering
 
 HINT = (
     "Click a place on one mesh, then the same place on the other    |    Drag: correct    |    "
-    "Right click: remove    |    Ctrl Z: undo    |    Enter or Esc: done"
+    "Ctrl click: a new mark beside another    |    Right click: remove    |    Ctrl Z: undo    |    "
+    "Enter or Esc: done"
 )
 
 
 class LISSOM_OT_marker_pick(bpy.types.Operator):
-    """Click a place on one mesh, then the same place on the other; drag a mark to correct it,
-    right-click to remove it, press Enter or Esc when done"""
+    """Click a place on one mesh, then the same place on the other; drag a mark to correct it, right-click to
+    remove it, Ctrl-click for a new one beside another, press Enter or Esc when done"""
 
     bl_idname = "lissom.marker_pick"
     bl_label = "Pick Markers"
@@ -52,11 +54,11 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
         bridge_markers.put(context.scene, known, *ends)
         for warning in warnings:
             self.report({"WARNING"}, warning)
-        session.picking = picking.Picking()
+        context.scene.lissom_transfer.show_markers = True
+        session.picking = Picking()
         self._drag = None
         context.workspace.status_text_set(HINT)
         context.window_manager.modal_handler_add(self)
-        redraw_views()
         redraw_sidebars()
         return {"RUNNING_MODAL"}
 
@@ -75,7 +77,6 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
         finally:
             if answer == {"FINISHED"}:
                 self._stop(context)
-        redraw_views()
         return answer
 
     def cancel(self, context):
@@ -90,129 +91,106 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
 
     def _event(self, context, event):
         settings = context.scene.lissom_transfer
-        self._ends = settings.source, settings.target
-        if session.picking is None or None in self._ends:
+        if session.picking is None or None in (settings.source, settings.target):
             return {"FINISHED"}
+        if event.type in {"RET", "NUMPAD_ENTER", "ESC"} and event.value == "PRESS" and self._drag is None:
+            return {"FINISHED"}
+        pressed = event.value in {"PRESS", "DOUBLE_CLICK"}
+        looks = event.type in {"MOUSEMOVE", "LEFT_CTRL", "RIGHT_CTRL"}
+        if self._drag is None and not (looks or (event.type in {"LEFTMOUSE", "RIGHTMOUSE"} and pressed)):
+            return {"PASS_THROUGH"}
+        pane = picking.pane_under(context.window, event.mouse_x, event.mouse_y)
+        stage = pane and picking.Stage(
+            context.scene, context.evaluated_depsgraph_get(), pane.view, pane.space
+        )
         if self._drag is not None:
-            return self._dragged(context, event)
-        if event.type in {"RET", "NUMPAD_ENTER", "ESC"} and event.value == "PRESS":
-            return {"FINISHED"}
-        if event.type not in {"LEFTMOUSE", "RIGHTMOUSE"} or event.value not in {"PRESS", "DOUBLE_CLICK"}:
+            return self._dragged(context, event, pane, stage)
+        if looks:
+            self._look(pane, stage, event.ctrl)
             return {"PASS_THROUGH"}
-        found = picking.view_under(context.window, event.mouse_x, event.mouse_y)
-        if found is None:
+        if pane is None:
             return {"PASS_THROUGH"}
-        depsgraph = context.evaluated_depsgraph_get()
-        mark = self._mark_under(context, depsgraph, *found)
+        took = self._press(context, event, pane, stage)
+        redraw_views()
+        return {"RUNNING_MODAL"} if took else {"PASS_THROUGH"}
+
+    def _look(self, pane, stage, ctrl):
+        """Puts the ring around the mark or the rim that a click would take."""
+        picked, ring = session.picking, None
+        if pane is not None:
+            scale = picking.ui_scale()
+            mark = None if ctrl else stage.mark_at(pane.spot, scale)
+            rim = None if mark else stage.rim_at(pane.spot, scale, exact=ctrl)
+            found = mark or rim
+            ring = found and (pane.region.as_pointer(), found[-1])
+        if ring != picked.ring:
+            picked.ring = ring
+            redraw_views()
+
+    def _press(self, context, event, pane, stage):
+        """Whether a press of a button was about marks."""
+        scale = picking.ui_scale()
+        found = None if event.ctrl else stage.mark_at(pane.spot, scale)
         if event.type == "RIGHTMOUSE":
-            if mark is None:
-                return {"PASS_THROUGH"}
-            self._remove(context, mark[0])
-            return {"RUNNING_MODAL"}
-        self._surfaces = [picking.Surface(obj, depsgraph) for obj in self._ends]
-        if mark is not None:
-            self._drag = *mark, self._vertex_of(context, *mark)
-            return {"RUNNING_MODAL"}
-        hits = self._hits(*found)
-        if not hits:
-            return {"PASS_THROUGH"}
-        _, vertex, side = min(hits)
-        self._pick(context, side, vertex)
-        return {"RUNNING_MODAL"}
+            if found:
+                self._remove(context, found[0].index)
+            return found is not None
+        if found:
+            self._drag, session.picking.ring = found[0], None
+            return True
+        found = stage.point_at(pane.spot, scale, exact=event.ctrl)
+        if found:
+            self._pick(context, *found[:2])
+        return found is not None
 
-    def _hits(self, region, view, spot):
-        """(distance, vertex, place of the side) of what is under the mouse."""
-        ray = picking.ray(region, view, spot)
-        found = [surface.hit(*ray) for surface in self._surfaces]
-        return [(*hit, place) for place, hit in enumerate(found) if hit and self._ends[place].visible_get()]
+    def _pick(self, context, side, point):
+        for marker in bridge_markers.of_scene(context.scene):
+            if marker.point(side) == point:
+                raise Refused(f"This place of the {side} bears marker '{marker.name}' already")
+        pair = session.picking.take(side, point)
+        if pair:
+            settings = context.scene.lissom_transfer
+            new = markers.Marker.between("", *map(pair.get, SIDES))
+            bridge_markers.append(context.scene, [new], settings.source, settings.target)
+            self._done("Pick Marker Pair")
 
-    def _mark_under(self, context, depsgraph, region, view, spot):
-        """(number, side) of the mark under the mouse; -1 is that of the pair that is begun; or None."""
-        near = []
-        for number, side, vertex in bridge_markers.marks_of(context):
-            obj = self._ends[SIDES.index(side)]
-            shown = picking.shown_mesh(obj, depsgraph)
-            place = picking.on_screen(obj, vertex, shown, region, view)
-            if place is not None and obj.visible_get():
-                away = max(abs(place.x - spot[0]), abs(place.y - spot[1]))
-                near.append((away, number, side))
-        near = [entry for entry in near if entry[0] <= picking.REACH * picking.ui_scale()]
-        return min(near)[1:] if near else None
-
-    def _vertex_of(self, context, number, side):
-        if number < 0:
-            return session.picking.vertex
-        return getattr(context.scene.lissom_transfer.markers[number], side)
-
-    def _pick(self, context, place, vertex):
-        side, begun = SIDES[place], session.picking
-        pair = {side: vertex, begun.side: begun.vertex} if begun.side else {side: vertex}
-        marker = markers.Marker(_name(context.scene), pair.get("source", -1), pair.get("target", -1))
-        self._check(context, [marker], pair)
-        if len(pair) < 2:
-            session.picking = picking.Picking(side, vertex)
+    def _remove(self, context, index):
+        if index < 0:
+            session.picking.drop()
             return
-        session.picking = picking.Picking()
-        bridge_markers.append(context.scene, [marker], *self._ends)
-        self._done("Pick Marker Pair")
-
-    def _check(self, context, added, sides):
-        """Refused where a vertex is marked already."""
-        known = bridge_markers.of_scene(context.scene)
-        for side in sides:
-            for marker in known:
-                if getattr(marker, side) in [getattr(new, side) for new in added]:
-                    raise Refused(f"This vertex of the {side} bears marker '{marker.name}' already")
-
-    def _remove(self, context, number):
-        if number < 0:
-            session.picking = picking.Picking()
-            return
-        settings = context.scene.lissom_transfer
-        settings.markers.remove(number)
-        settings.active_marker = max(0, min(number, len(settings.markers) - 1))
+        bridge_markers.remove(context.scene, index)
         self._done("Remove Marker Pair")
 
-    def _dragged(self, context, event):
-        number, side, before = self._drag
-        if number >= len(context.scene.lissom_transfer.markers):
+    def _dragged(self, context, event, pane, stage):
+        index, _, side, before = self._drag
+        rows = context.scene.lissom_transfer.markers
+        if index >= len(rows) or (index < 0 and session.picking.side != side):
             self._drag = None
         elif event.type == "MOUSEMOVE":
-            found = picking.view_under(context.window, event.mouse_x, event.mouse_y)
-            hits = [hit for hit in self._hits(*found) if SIDES[hit[2]] == side] if found else []
-            if hits:
-                self._move(context, number, side, hits[0][1])
+            found = stage and stage.point_at(pane.spot, picking.ui_scale(), exact=event.ctrl, only=side)
+            if found:
+                self._move(context, index, side, found[1])
         elif event.type in {"ESC", "RIGHTMOUSE"}:
-            self._move(context, number, side, before)
+            self._move(context, index, side, before)
             self._drag = None
         elif event.type == "LEFTMOUSE" and event.value == "RELEASE":
             self._drag = None
-            if number >= 0:
-                context.scene.lissom_transfer.active_marker = number
-                if self._vertex_of(context, number, side) != before:
+            if index >= 0:
+                context.scene.lissom_transfer.active_marker = index
+                if rows[index].point(side) != before:
                     self._done("Move Marker")
+        redraw_views()
         return {"RUNNING_MODAL"}
 
-    def _move(self, context, number, side, vertex):
-        rows = context.scene.lissom_transfer.markers
-        if vertex in [getattr(row, side) for place, row in enumerate(rows) if place != number]:
-            return
-        if number < 0:
-            session.picking = picking.Picking(side, vertex)
+    def _move(self, context, index, side, point):
+        if index < 0:
+            session.picking.take(side, point)
         else:
-            setattr(rows[number], side, vertex)
+            bridge_markers.move(context.scene, index, side, point)
 
     def _done(self, message):
         bpy.ops.ed.undo_push(message=message)
         redraw_sidebars()
-
-
-def _name(scene):
-    taken = {row.name for row in scene.lissom_transfer.markers}
-    number = len(taken) + 1
-    while f"Marker {number}" in taken:
-        number += 1
-    return f"Marker {number}"
 
 
 classes = (LISSOM_OT_marker_pick,)

@@ -90,7 +90,7 @@ class LISSOM_OT_marker_suggest(bpy.types.Operator):
         known = bridge_markers.of_scene(context.scene)
         if not known:  # a first marker alone would say less than the shapes do
             raise Refused("There are no markers to add to: mark three pairs yourself first")
-        if [marker.vertices for marker in known] != memory.pairs:
+        if [marker.ends for marker in known] != memory.pairs:
             raise Refused("The markers were changed since the last fit: press Fit again")
         counts = len(source.parts[0].vertices), len(target.parts[0].vertices)
         # Markers lie on the first object of each side.

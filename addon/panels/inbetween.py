@@ -19,6 +19,7 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
         obj = checks.active_mesh(context)
         if obj is None:
             layout.label(text="Select a mesh object", icon="INFO")
+            layout.operator("lissom.inbetween_image", icon="IMAGE_DATA")
             return
         layout.context_pointer_set("lissom_object", obj)
         layout.label(text=obj.name, icon="OUTLINER_OB_MESH", translate=False)
@@ -64,6 +65,8 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
         for arc in baked:
             row = layout.row(align=True)
             row.prop(obj, sliders.data_path(arc.name), text=arc.name, slider=True)
+            second = row.operator("lissom.inbetween_second_image", text="", icon="IMAGE_DATA")
+            second.object, second.slider = obj.name, arc.name
             for action, icon in (("rebake", "FILE_REFRESH"), ("rename", "GREASEPENCIL"), ("remove", "X")):
                 button = row.operator(f"lissom.inbetween_{action}", text="", icon=icon)
                 button.object, button.slider = obj.name, arc.name

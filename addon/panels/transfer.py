@@ -21,8 +21,8 @@ class LISSOM_UL_markers(bpy.types.UIList):
         row = layout.row(align=True)
         number = row.row()
         number.ui_units_x = 1.2
-        number.label(text=str(index + 1))
-        if (item.source, item.target) in doubts(data):
+        number.label(text=str(item.number or index + 1))
+        if item.ends in doubts(data):
             row.label(text="", icon="ERROR")
         row.prop(item, "name", text="", emboss=False)
         row.prop(item, "mirror", text="", icon="MOD_MIRROR", emboss=False)
@@ -111,7 +111,7 @@ def fit_of(settings):
 
 
 def doubts(settings):
-    """{(source vertex, target vertex): (name, why)} of the markers that the last fit doubts."""
+    """{ends: (marker, why)} of the markers that the last fit doubts."""
     memory = fit_of(settings)
     return memory.doubts if memory else {}
 
@@ -187,6 +187,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         row.operator(
             "lissom.marker_pick", text="Pick", icon="EYEDROPPER", depress=session.picking is not None
         )
+        row.operator("lissom.marker_views", text="", icon="SPLIT_VERTICAL", depress=session.views is not None)
         row.prop(settings, "show_markers", text="", icon="HIDE_OFF" if settings.show_markers else "HIDE_ON")
         row = layout.row()
         row.template_list("LISSOM_UL_markers", "", settings, "markers", settings, "active_marker", rows=4)
@@ -201,9 +202,12 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             row = layout.row(align=True)
             row.prop(active, "source", text="Source")
             row.prop(active, "target", text="Target")
-            _, doubt = doubts(settings).get((active.source, active.target), ("", ""))
+            _, doubt = doubts(settings).get(active.ends, (None, ""))
             if doubt:
                 draw_lines(layout, "ERROR", f"This pair is {doubt}")
+        if None in (settings.source, settings.target) or settings.source == settings.target:
+            draw_lines(layout, "INFO", "Choose two different objects as source and target to mark them")
+            return
         needless = not len(settings.markers) and self._draw_without(layout, context)
         if len(settings.markers) < 3 and not needless:
             draw_lines(
@@ -239,7 +243,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             row.operator("lissom.marker_suggest", icon="OUTLINER_OB_LIGHT")
         if shown:
             draw_lines(layout, "NONE", LEGEND.format(limit=100 * LIMIT))
-        markers = [(row.source, row.target) for row in settings.markers]
+        markers = [row.ends for row in settings.markers]
         listed = ([], []) if settings.overlap else (markers, [row.vertices for row in settings.curves])
         if (memory.pairs, memory.curves) == listed:
             draw_lines(layout, "CHECKMARK", memory.summary)

@@ -8,6 +8,7 @@ from bpy.props import (
     FloatProperty,
     FloatVectorProperty,
     IntProperty,
+    IntVectorProperty,
     PointerProperty,
     StringProperty,
 )
@@ -15,6 +16,7 @@ from bpy.props import (
 from ..bridge.meshes import rest_place
 from ..bridge.screen import redraw_views
 from ..core.options import option
+from ..core.surface import Point
 from .options import option_property
 from .pose import BAKE_ITEMS, BAKE_OUTPUT, BAKE_PATH, BAKE_STEP
 
@@ -144,29 +146,37 @@ def _is_mesh(_, obj):
     return obj.type == "MESH"
 
 
-def _place(side):
-    """Keeps the place of a vertex whose number was changed by hand."""
+def _at_vertex(side):
+    """Puts a mark on the vertex whose number was changed by hand."""
 
     def update(row, _):
-        obj = getattr(row.id_data.lissom_transfer, side)
-        row.put(side, rest_place(obj.data, getattr(row, side)) if obj else None)
+        obj, vertex = getattr(row.id_data.lissom_transfer, side), getattr(row, side)
+        row.put(side, Point.at(vertex), rest_place(obj.data, vertex) if obj else None)
         redraw_views()
 
     return update
 
 
 class LissomMarker(bpy.types.PropertyGroup):
-    """One marker pair; its places, of the vertices at rest, survive edits of the meshes."""
+    """One marker pair, as core.markers.Marker has it; weights are 0 where a point is at its vertex.
+
+    Its places, of the points at rest, survive edits of the meshes.
+    """
 
     name: StringProperty(name="Name", description="What this place is, such as: left corner of the mouth")
     source: IntProperty(
-        name="Source Vertex", description="Index of the vertex on the source mesh", min=0,
-        update=_place("source"),
+        name="Source Vertex", min=0, update=_at_vertex("source"),
+        description="The vertex of the source that the mark is at or nearest to; another one puts it there",
     )  # fmt: skip
     target: IntProperty(
-        name="Target Vertex", description="Index of the vertex on the target mesh", min=0,
-        update=_place("target"),
+        name="Target Vertex", min=0, update=_at_vertex("target"),
+        description="The vertex of the target that the mark is at or nearest to; another one puts it there",
     )  # fmt: skip
+    source_corners: IntVectorProperty(size=3)
+    target_corners: IntVectorProperty(size=3)
+    source_weights: FloatVectorProperty(size=3)
+    target_weights: FloatVectorProperty(size=3)
+    number: IntProperty(description="The one that the pair is known by; 0: not numbered yet")
     source_place: FloatVectorProperty(size=3)
     target_place: FloatVectorProperty(size=3)
     source_placed: BoolProperty()
@@ -181,8 +191,24 @@ class LissomMarker(bpy.types.PropertyGroup):
         """(x, y, z) at rest on "source" or "target", in the object's coordinates, or None."""
         return tuple(getattr(self, f"{side}_place")) if getattr(self, f"{side}_placed") else None
 
-    def put(self, side, place):
-        """Keeps a place, or that there is none."""
+    def point(self, side):
+        """The Point on "source" or "target"."""
+        weights = tuple(getattr(self, f"{side}_weights"))
+        if not any(weights):
+            return Point.at(getattr(self, side))
+        return Point.of(getattr(self, f"{side}_corners"), weights)
+
+    @property
+    def ends(self):
+        """Its points on (source, target)."""
+        return self.point("source"), self.point("target")
+
+    def put(self, side, point, place):
+        """Keeps a point and its place, or that there is none."""
+        if getattr(self, side) != point.vertex:
+            setattr(self, side, point.vertex)
+        setattr(self, f"{side}_corners", point.corners)
+        setattr(self, f"{side}_weights", (0, 0, 0) if point.is_vertex else point.weights)
         setattr(self, f"{side}_placed", place is not None)
         if place is not None:
             setattr(self, f"{side}_place", place)

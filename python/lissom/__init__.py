@@ -8,6 +8,7 @@ cancels it; ``start_x(...)`` takes the same arguments and returns a :class:`Job`
 is what ``x`` returns.
 """
 
+from ._image import ImageMesh, image_mesh, start_image_mesh
 from ._inbetween import Blend, Inbetween, Keyframes, start_blend, start_inbetween
 from ._native import (
     Cancelled,
@@ -46,6 +47,7 @@ __all__ = [
     "Error",
     "Fit",
     "FitReport",
+    "ImageMesh",
     "Inbetween",
     "InternalError",
     "InvalidConstraint",
@@ -68,9 +70,11 @@ __all__ = [
     "Transferred",
     "__version__",
     "fit_correspondence",
+    "image_mesh",
     "options",
     "start_blend",
     "start_fit",
+    "start_image_mesh",
     "start_inbetween",
     "start_pose",
     "start_transfer",

@@ -128,8 +128,8 @@ class PathOptions(TypedDict, total=False):
     stretch: Literal["linear", "logarithmic"]
     """How triangles grow and shrink along the path."""
     refinement: int
-    """Rounds in which turns are fitted to the shapes that came out: lengths along the path get two to four
-    times better in 4 to 16."""
+    """Rounds in which turns are fitted to the shapes that came out, by a radian at most: lengths along the
+    path get up to twice as good in 4 to 16."""
     through: Sequence[tuple[float, ArrayLike]] | None
     """Shapes to hit on the way, each (time, positions), in ascending order; speed may change there."""
     preserve_volume: bool
@@ -146,3 +146,17 @@ class BlendOptions(TypedDict, total=False):
 
     refinement: int
     """Rounds in which turns are fitted to the shape that came out."""
+
+
+class ImageMeshOptions(TypedDict, total=False):
+    """Options of image_mesh."""
+
+    edge: float
+    """Wanted length of edges; 0 takes a 25th of the square root of the opaque area, some 1500 triangles, and
+    no less than a pixel."""
+    threshold: float
+    """Alpha from which on a place is part of the drawing."""
+    tolerance: float
+    """How far the outline may go from the alpha's: larger is smoother, with fewer small triangles."""
+    smallest: float
+    """Islands and holes of less area are left out."""

@@ -77,14 +77,24 @@ class Fit:
     """(k,) from each marker's place on the fitted source to where it was marked, in the target's units."""
     doubtful_markers: NDArray[np.int64]
     """(d,) the markers, by number, that lie where the others do not put them and were left out."""
-    curve_distances: NDArray[np.float64]
-    """(c,) mean distance of each curve on the fitted source from its like, in the target's units."""
-    doubtful_curves: NDArray[np.int64]
-    """(d,) the curves, by number, that lie where the others do not put them and were left out."""
     doubtful_percents: NDArray[np.float64]
     """(d,) how far each of these is from there, in percent of the target's diagonal."""
     doubtful_warnings: list[str]
     """What the warnings say of each of these."""
+    curve_distances: NDArray[np.float64]
+    """(c,) mean distance of each curve on the fitted source from its like, in the target's units."""
+    doubtful_curves: NDArray[np.int64]
+    """(d,) the curves, by number, that lie where the others do not put them and were left out."""
+    doubtful_curve_percents: NDArray[np.float64]
+    """(d,) how far each of these is from there, in percent of the target's diagonal."""
+    unmet_curves: NDArray[np.int64]
+    """(u,) the curves, by number, that were followed and not met."""
+    unmet_curve_percents: NDArray[np.float64]
+    """(u,) how far each of these is from its like, in percent of the target's diagonal."""
+    reordered_curves: NDArray[np.int64]
+    """The curves, by number, on which the markers come in another order than on the target."""
+    curve_warnings: list[str]
+    """What the warnings say of these three, in this order."""
     report: FitReport
     """How well it went."""
     _core: _native.Fit = field(repr=False)

@@ -5,7 +5,7 @@ import random
 from itertools import pairwise
 
 import pytest
-from lissom_addon_core import curves, markers
+from lissom_addon_core import curves, marker_file, markers
 from lissom_addon_core.markers import Curve, Marker
 from lissom_addon_core.refused import Refused
 
@@ -43,9 +43,9 @@ LID = Curve("lid", (4, 5, 9, 4), (7, 2, 3, 7), tuple((float(i), 0.5, 1.0) for i 
 
 def test_curves_are_saved_and_loaded_beside_pairs():
     pairs = [Marker("nose", 1, 2)]
-    text = markers.dumps(pairs, ("Face", 10), ("Suzanne", 10), [LID])
-    assert markers.loads(text) == markers.MarkerFile(pairs, 10, 10, [LID])
-    assert "curves" not in markers.dumps(pairs, ("Face", 10), ("Suzanne", 10))
+    text = marker_file.dumps(pairs, ("Face", 10), ("Suzanne", 10), [LID])
+    assert marker_file.loads(text) == marker_file.MarkerFile(pairs, 10, 10, [LID])
+    assert "curves" not in marker_file.dumps(pairs, ("Face", 10), ("Suzanne", 10))
 
 
 @pytest.mark.parametrize(
@@ -63,9 +63,9 @@ def test_curves_are_saved_and_loaded_beside_pairs():
 def test_row_41_a_malformed_curve_is_refused(row, message):
     document = {"format": "lissom-markers", "version": 1, "pairs": []}
     with pytest.raises(Refused, match=message):
-        markers.loads(json.dumps({**document, "curves": [{"source": [1, 2], "target": [3, 4]}, row]}))
+        marker_file.loads(json.dumps({**document, "curves": [{"source": [1, 2], "target": [3, 4]}, row]}))
     with pytest.raises(Refused, match='"curves" must be a list'):
-        markers.loads(json.dumps({**document, "curves": 3}))
+        marker_file.loads(json.dumps({**document, "curves": 3}))
 
 
 def test_rows_9_and_28_curves_beyond_a_mesh_or_twice_are_named():

@@ -1,7 +1,7 @@
 """Files that appear whole or not at all."""
 
 import pytest
-from lissom_addon_core import cache, files, markers
+from lissom_addon_core import cache, files, marker_file
 
 
 def test_an_error_leaves_what_was_there(tmp_path):
@@ -25,7 +25,7 @@ def test_a_cache_leaves_the_part_files_of_others(tmp_path):
 
 
 def test_row_41_a_megabyte_of_quotes_is_read_once():
-    with pytest.raises(markers.Refused, match="not valid JSON"):
-        markers.loads('{"format": "' + '\\"' * 500_000)
-    with pytest.raises(markers.Refused, match="not valid JSON"):
-        markers.loads('{"a": "' + "\\\\" * 500_000 + "\\")
+    with pytest.raises(marker_file.Refused, match="not valid JSON"):
+        marker_file.loads('{"format": "' + '\\"' * 500_000)
+    with pytest.raises(marker_file.Refused, match="not valid JSON"):
+        marker_file.loads('{"a": "' + "\\\\" * 500_000 + "\\")

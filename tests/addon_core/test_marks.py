@@ -4,46 +4,92 @@ import numpy as np
 import pytest
 from lissom_addon_core import marks
 from lissom_addon_core.markers import Marker
+from lissom_addon_core.surface import Point
 
 
-def sphere(count=3000, seed=0):
-    """Points of the unit sphere and their mirror images: vertex i + count is that of vertex i."""
-    half = np.random.default_rng(seed).normal(size=(count, 3))
-    half /= np.linalg.norm(half, axis=1)[:, None]
-    half[:, 0] = np.abs(half[:, 0])
-    return np.concatenate([half, half * [-1, 1, 1]])
+def half_sphere(rings=12, around=24):
+    """One half of a sphere by its other, x > 0: vertices (n, 3) and triangles (m, 3)."""
+    up, turn = np.meshgrid(np.linspace(0.1, 3.0, rings), np.linspace(0, np.pi, around), indexing="ij")
+    vertices = np.stack([np.sin(up) * np.sin(turn), np.sin(up) * np.cos(turn), np.cos(up)], axis=-1)
+    corner = np.arange(rings * around).reshape(rings, around)
+    quads = corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]
+    a, b, c, d = (quad.ravel() for quad in quads)
+    return vertices.reshape(-1, 3), np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
 
 
-def test_the_image_of_a_vertex_is_its_like_on_the_other_side():
-    vertices = sphere()
-    marked = np.flatnonzero(np.abs(vertices[:, 0]) > 0.1)[::97]
-    found = marks.mirrored(vertices, marked, 0)
-    assert np.array_equal(found, (marked + 3000) % 6000)
+def sphere():
+    """Both halves; vertex i + n is the mirror image of vertex i."""
+    vertices, triangles = half_sphere()
+    return np.concatenate([vertices, vertices * [-1, 1, 1]]), np.concatenate(
+        [triangles, triangles[:, ::-1] + len(vertices)]
+    )
+
+
+def inside(triangles, seed, count=20):
+    """Random points of random triangles."""
+    random = np.random.default_rng(seed)
+    rows = random.choice(triangles, count)
+    return [
+        Point.of(row, weights) for row, weights in zip(rows, random.dirichlet([1, 1, 1], count), strict=True)
+    ]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_image_of_a_point_is_its_like_on_the_other_side(seed):
+    vertices, triangles = sphere()
+    n = len(vertices) // 2
+    points = [point for point in inside(triangles, seed) if abs(point.position(vertices)[0]) > 0.05]
+    found = marks.mirrored(vertices, triangles, points, 0)
+    for point, image in zip(points, found, strict=True):
+        assert np.allclose(image.position(vertices), point.position(vertices) * [-1, 1, 1], atol=2e-4)
+        assert {(corner + n) % (2 * n) for corner in point.corners} == set(image.corners)
     turned = vertices[:, [2, 0, 1]]
-    assert np.array_equal(marks.mirrored(turned, marked, 1), found)
+    assert marks.mirrored(turned, triangles, points, 1) == found
 
 
 def test_the_middle_is_its_own_image_and_half_a_mesh_has_none():
-    vertices = sphere()[:3000]
-    vertices[7] = [0.001, 0, 1]
-    away = int(np.argmax(vertices[:, 0]))
-    assert marks.mirrored(vertices, [7, away], 0).tolist() == [7, -1]
+    vertices, triangles = half_sphere()
+    middle = next(p for p in inside(triangles, 1, 999) if 1e-3 < p.position(vertices)[0] < 0.02)
+    away = Point.at(int(np.argmax(vertices[:, 0])))
+    assert marks.mirrored(vertices, triangles, [middle, away], 0) == [middle, None]
 
 
-def test_pairs_are_completed_once_and_only_where_asked():
-    pairs = [
-        Marker("left eye", 1, 11),
-        Marker("nose", 2, 12),
-        Marker("mouth.L", 3, 13),
-        Marker("mouth.R", 4, 14),
-        Marker("scar", 5, 15, mirror=False),
-        Marker("left ear", 6, 16),
-    ]
-    sources, targets = [21, 2, 4, 3, 25, -1], [31, 12, 14, 13, 35, 36]
-    added, lost = marks.completed(pairs, sources, targets)
-    assert added == [Marker("right eye", 21, 31)] and lost == ["left ear"]
-    again = marks.completed([*pairs, *added], [*sources, 1], [*targets, 11])
-    assert again == ([], ["left ear"])
+def test_what_was_moved_off_the_surface_is_not_found_again():
+    vertices, triangles = half_sphere()
+    points = inside(triangles, 2)
+    places = np.array([point.position(vertices) for point in points])
+    places[3] *= 1.2
+    places[5] *= 1.01
+    found = marks.found_again(vertices, triangles, places)
+    assert [number for number, point in enumerate(found) if point is None] == [3]
+    assert np.allclose(found[5].position(vertices), places[5] / 1.01, atol=2e-3)
+    assert marks.found_again(vertices, triangles[:0], places) == [None] * len(places)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_pairs_are_completed_once_and_only_where_asked(seed):
+    vertices, triangles = sphere()
+    own = half_sphere()[1]
+    points = [point for point in inside(own, seed, 99) if point.position(vertices)[0] > 0.2][:6]
+    others = inside(own, seed + 50, 99)
+    others = [point for point in others if point.position(vertices)[0] > 0.2][:6]
+    pairs = [Marker.between(f"left {n}", *ends) for n, ends in enumerate(zip(points, others, strict=True))]
+    pairs[2] = pairs[2]._replace(mirror=False)
+
+    def images(pairs):
+        return [
+            marks.mirrored(vertices, triangles, [marker.point(side) for marker in pairs], 0)
+            for side in ("source", "target")
+        ]
+
+    rests = vertices, vertices
+    added, lost = marks.completed(pairs, images(pairs), rests)
+    assert [marker.name for marker in added] == [f"right {n}" for n in (0, 1, 3, 4, 5)] and not lost
+    whole = [*pairs, *added]
+    assert marks.completed(whole, images(whole), rests) == ([], [])
+    nothing = images(pairs)
+    nothing[1][4] = None
+    assert marks.completed(pairs, nothing, rests)[1] == ["left 4"]
 
 
 @pytest.mark.parametrize(
@@ -63,7 +109,7 @@ def test_names_of_the_other_side(name, other):
 
 
 def test_neighbours_in_the_list_have_different_colours():
-    colours = np.array([marks.colour(number) for number in range(100)])
+    colours = np.array([marks.colour(number) for number in range(1, 101)])
     assert ((colours >= 0) & (colours <= 1)).all()
     for step in (1, 2, 3):
         assert np.linalg.norm(colours[step:] - colours[:-step], axis=1).min() > 0.2

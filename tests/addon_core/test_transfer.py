@@ -2,6 +2,7 @@ from types import SimpleNamespace
 
 import lissom
 import numpy as np
+from lissom_addon_core.markers import Marker
 from lissom_addon_core.transfer import Keys, doubts, told
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -36,17 +37,28 @@ def test_keys_that_move_nothing_leave_nothing_to_carry_over():
     assert Keys(REST, [(REST, REST)]).shapes.shape == (0, 5, 3)
 
 
-def test_markers_are_named_as_the_list_has_them():
-    lines = ["target: 2 slivers", "number 1 is off", "number 2 is off"]
+def test_markers_and_curves_are_named_as_the_lists_have_them():
+    lines = ["target: 2 slivers", "number 1 is off", "number 2 is off", "a", "b", "c"]
     fit = SimpleNamespace(
         doubtful_markers=np.array([1, 2]),
         doubtful_percents=np.array([9.04, 12]),
-        doubtful_warnings=lines[1:],
+        doubtful_warnings=lines[1:3],
+        doubtful_curves=np.array([2]),
+        doubtful_curve_percents=np.array([7.06]),
+        unmet_curves=np.array([0]),
+        unmet_curve_percents=np.array([3.0]),
+        reordered_curves=np.array([1]),
+        curve_warnings=lines[3:],
         report={"warnings": lines},
     )
-    said = told(fit, ["chin", r"nose \1", "ear"], exact=False)
-    assert said[0] == "target: 2 slivers" and len(said) == 3
-    assert said[1].startswith(r"marker 2, 'nose \1', is 9.0 % of the target's size away")
+    markers = [Marker("chin", 0, 0), Marker(r"nose \1", 1, 1, number=7), Marker("ear", 2, 2)]
+    said = told(fit, markers, False, ["lid", "lip", r"rim \1"])
+    assert said[0] == "target: 2 slivers" and len(said) == 6
+    assert said[1].startswith(r"curve 'rim \1' is 7.1 % of the target's size away from where the others put")
+    assert said[2].startswith("curve 'lid' is met within 3.0 % of the target's size only")
+    assert said[3].startswith("curve 'lip' has its markers in another order on the target")
+    assert said[4].startswith(r"marker 7, 'nose \1', is 9.0 % of the target's size away")
+    assert said[5].startswith("marker 3, 'ear', is 12.0 %")
     assert "left out" in doubts(fit, exact=False)[2] and "kept" in doubts(fit, exact=True)[2]
 
 
@@ -61,6 +73,6 @@ def test_doubts_are_told_once_and_by_name():
     fit = lissom.fit_correspondence(mesh, mesh, markers)
     assert fit.doubtful_markers.tolist() == [4]
     assert "away from where the others put it" in doubts(fit, exact=False)[4]
-    names = [f"Marker {number + 1}" for number in range(len(markers))]
-    (line,) = told(fit, names, exact=False)
+    pairs = [Marker(f"Marker {number + 1}", *ends) for number, ends in enumerate(markers.tolist())]
+    (line,) = told(fit, pairs, exact=False)
     assert line.startswith("marker 5, 'Marker 5', is ")

@@ -59,9 +59,15 @@ def on_display(region, place):
     return round(region.x + spot.x), round(height - 1 - (region.y + spot.y))
 
 
-def click(region, place, button=1):
-    mouse("mousemove", *on_display(region, place), "sleep", 0.15, "click", button)
+def click(region, place, button=1, held=None):
+    at = ("mousemove", *on_display(region, place), "sleep", 0.15)
+    mouse(*at, *(("keydown", held, "click", button, "keyup", held) if held else ("click", button)))
     yield 0.6
+
+
+def marked_place(obj, row, side):
+    """Where a mark is, in the world."""
+    return obj.matrix_world @ Vector(row.point(side).position(scene.points(obj.data.vertices)))
 
 
 def until(condition, seconds=20):
@@ -112,10 +118,12 @@ def steps():
             yield from click(region, surface_place(obj, place))
     assert len(rows) == len(PLACES), len(rows)
     for row, (place, name) in zip(rows, PLACES, strict=True):
-        for obj, vertex in ((source, row.source), (target, row.target)):
-            there = surface_place(obj, place)
-            assert (obj.matrix_world @ obj.data.vertices[vertex].co - there).length < 0.06, name
+        for obj, side in ((source, "source"), (target, "target")):
+            assert (marked_place(obj, row, side) - surface_place(obj, place)).length < 0.06, (
+                name
+            )  # rims draw the mouse
         row.name = name
+    assert not all(point.is_vertex for row in rows for point in row.ends), "points, not vertices"
     print("PASS pairs are picked in either order")
     yield 0.5
 
@@ -137,11 +145,27 @@ def steps():
     yield 0.5
     row = rows[len(PLACES)]
     assert row.target != before
-    assert (target.matrix_world @ target.data.vertices[row.target].co - goal).length < 0.06
-    assert np.allclose(row.target_place, target.data.vertices[row.target].co, atol=1e-6)
+    there = marked_place(target, row, "target")
+    assert (there - goal).length < 0.02
+    assert (target.matrix_world @ Vector(row.target_place) - there).length < 1e-5
     print("PASS a mark is dragged")
 
-    yield from click(region, source.matrix_world @ source.data.vertices[row.source].co, button=3)
+    from bl_ext.user_default.lissom import session
+
+    mouse("mousemove", *on_display(region, marked_place(source, row, "source")))
+    yield 0.4
+    assert session.picking.ring is not None, "the ring is around what would be taken"
+    beside = marked_place(source, row, "source") + Vector((0.03, 0, 0))
+    yield from click(region, beside, held="ctrl")
+    assert session.picking.side == "source" and len(rows) == len(PLACES) + 1, "Ctrl: another beside it"
+    yield from click(region, beside, button=3)
+    assert session.picking.side is None
+    mouse("mousemove", *on_display(region, (0, 0, -1.9)))
+    yield 0.4
+    assert session.picking.ring is None
+    print("PASS Ctrl marks beside a mark")
+
+    yield from click(region, marked_place(source, row, "source"), button=3)
     assert len(rows) == len(PLACES), "a right click removes the pair"
     print("PASS a pair is removed")
     mouse("key", "ctrl+z")
@@ -154,13 +178,40 @@ def steps():
 
     mouse("mousemove", *on_display(region, (SHIFT, 0, -1.6)), "sleep", 0.2, "key", "Return")
     yield 0.5
-    from bl_ext.user_default.lissom import session
-
     assert session.picking is None
-    settings.show_markers = True
+    assert settings.show_markers, "the marks stay"
     assert bpy.ops.lissom.marker_mirror() == {"FINISHED"}
     assert len(rows) == len(PLACES) + 6, len(rows)
     print("PASS the other side is completed")
+
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window, area=area, region=region):
+        assert bpy.ops.lissom.marker_views() == {"FINISHED"}
+        assert bpy.ops.lissom.marker_pick("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
+    yield 2.0
+    areas = sorted((a for a in window.screen.areas if a.type == "VIEW_3D"), key=lambda a: a.x)
+    assert [bool(a.spaces.active.local_view) for a in areas] == [True, True]
+    assert [[obj.visible_get(viewport=a.spaces.active) for obj in (source, target)] for a in areas] == [
+        [True, False],
+        [False, True],
+    ]
+    for half, obj in zip(areas, (source, target), strict=True):
+        region = next(r for r in half.regions if r.type == "WINDOW")
+        yield from click(region, surface_place(obj, (0.2, -0.8, -0.1)))
+    assert len(rows) == len(PLACES) + 7
+    yield 1.0
+    if os.environ.get("LISSOM_STOP") == "views":
+        return
+    mouse("key", "Return")
+    yield 0.6
+    area, region, space = view()
+    with bpy.context.temp_override(window=window, area=area, region=region):
+        assert bpy.ops.lissom.marker_views() == {"FINISHED"}
+    yield 1.0
+    area, region, space = view()
+    assert len([a for a in window.screen.areas if a.type == "VIEW_3D"]) == 1 and not space.local_view
+    settings.markers.remove(len(rows) - 1)
+    print("PASS two views at once")
     if os.environ.get("LISSOM_STOP") == "markers":
         return
 

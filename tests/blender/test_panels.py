@@ -246,6 +246,8 @@ def test_transfer_passes_its_settings_on(panels):
     source, target = scene.tube(name="Source"), scene.tube(name="Target")
     scene.add_key(source, "K", scene.points(source.data.vertices))
     settings = bpy.context.scene.lissom_transfer
+    drawn = text(draw(panels["transfer"]))
+    assert "Choose two different objects" in drawn and "Press Pick" not in drawn, "Pick is grey"
     settings.source, settings.target = source, target
     assert "no markers are needed" in text(draw(panels["transfer"]))
     bpy.ops.lissom.transfer_fit()

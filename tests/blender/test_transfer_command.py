@@ -6,7 +6,8 @@ import bpy
 import pytest
 import scene
 from bl_ext.user_default.lissom import commands
-from bl_ext.user_default.lissom.core.markers import Marker, save
+from bl_ext.user_default.lissom.core.marker_file import save
+from bl_ext.user_default.lissom.core.markers import Marker
 from numpy.testing import assert_array_equal
 from test_transfer import deltas, monkeys
 

@@ -3,10 +3,14 @@
 import json
 
 import bpy
+import lissom
 import numpy as np
 import pytest
 import scene
-from bl_ext.user_default.lissom.bridge import picking
+from bl_ext.user_default.lissom import session
+from bl_ext.user_default.lissom.bridge import markers as bridge_markers
+from bl_ext.user_default.lissom.bridge.assembly import Assembly
+from bl_ext.user_default.lissom.core.surface import Point
 from mathutils import Vector
 from numpy.testing import assert_allclose
 from test_transfer import monkeys, pairs
@@ -137,30 +141,109 @@ def test_files_know_the_places(tmp_path):
     assert_allclose(rests()[1][[target for _, target in pairs()]], before, atol=1e-6)
 
 
-@pytest.mark.parametrize("modifier", [None, "SUBSURF", "SIMPLE_DEFORM"])
-def test_a_ray_finds_the_vertex_that_is_shown_there(modifier):
-    obj = scene.monkey(2)
-    obj.location, obj.rotation_euler, obj.scale = (1, 2, 3), (0.3, 0.2, 0.1), (2, 1, 0.5)
-    scene.add_key(obj, "up", scene.points(obj.data.vertices) + [0, 0, 4], value=1.0)
-    if modifier:
-        obj.modifiers.new("M", modifier)
-    bpy.context.view_layer.update()
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    mesh = picking.shown_mesh(obj, depsgraph)
-    assert (mesh == obj.data) == (modifier == "SUBSURF")
-    surface = picking.Surface(obj, depsgraph)
-    matrix = obj.matrix_world
-    tried = 0
-    for vertex in range(0, len(mesh.vertices), 97):
-        place = matrix @ mesh.vertices[vertex].co
-        normal = (matrix.inverted().to_3x3().transposed() @ mesh.vertices[vertex].normal).normalized()
-        hit = surface.hit(place + 0.01 * normal, -normal)
-        if hit and abs(hit[0] - 0.01) < 1e-3:
-            tried += 1
-            found = matrix @ mesh.vertices[hit[1]].co
-            assert hit[1] == vertex or (found - place).length < 0.02
-    assert tried > 50
-    assert surface.hit(Vector((50, 50, 50)), Vector((0, 0, 1))) is None
+def between_vertices():
+    """The monkeys' markers, each moved into the middle of a face beside it, on both sides."""
+    monkeys()
+    ends = settings().source, settings().target
+    random = np.random.default_rng(0)
+    for index, row in enumerate(settings().markers):
+        for side, obj in zip(("source", "target"), ends, strict=True):
+            face = next(face for face in obj.data.polygons if getattr(row, side) in face.vertices)
+            point = Point.of(list(face.vertices)[:3], random.dirichlet([5, 5, 5]))
+            bridge_markers.move(bpy.context.scene, index, side, point)
+    assert not any(point.is_vertex for row in settings().markers for point in row.ends)
+
+
+def spots():
+    """For each pair (2, 3): where its points are at rest."""
+    return np.array([
+        [point.position(rest) for point, rest in zip(row.ends, rests(), strict=True)]
+        for row in settings().markers
+    ])  # fmt: skip
+
+
+@pytest.mark.parametrize("moved", [False, True])
+def test_the_fit_goes_by_the_points_as_the_module_does(moved):
+    between_vertices()
+    if moved:
+        settings().source.location, settings().target.scale = (1, 2, 3), (1, 1, 1.2)
+        bpy.context.view_layer.update()
+    assert bpy.ops.lissom.transfer_fit() == {"FINISHED"}
+    found = session.fit.fit
+    ends = [Assembly([obj]) for obj in (settings().source, settings().target)]
+    fit = lissom.fit_correspondence(
+        *(lissom.Mesh(*end.geometry()) for end in ends),
+        [(row.source, row.target) for row in settings().markers],
+        source_points=[row.point("source").position(ends[0].rest()) for row in settings().markers],
+        points=[row.point("target").position(ends[1].rest()) for row in settings().markers],
+        marker_tolerance=settings().marker_tolerance,
+        match_distance=settings().match_distance,
+        closest=settings().closest,
+    )
+    assert np.array_equal(found.fitted_vertices, fit.fitted_vertices)
+    assert np.array_equal(found.marker_distances, fit.marker_distances)
+    before = found.fitted_vertices
+    bridge_markers.move(bpy.context.scene, 0, "target", settings().markers[0].point("target"))
+    row = settings().markers[0]
+    assert session.fit.pairs[0] == row.ends
+    row.target = row.target  # onto the vertex itself
+    assert session.fit.pairs[0] != row.ends
+    bpy.ops.lissom.transfer_fit()
+    assert not np.array_equal(session.fit.fit.fitted_vertices, before), "a fit of its own"
+
+
+def test_points_survive_files_remodelling_and_mirroring(tmp_path):
+    between_vertices()
+    _, target = settings().source, settings().target
+    path = str(tmp_path / "markers.json")
+    before, known = spots(), [(row.ends, row.number) for row in settings().markers]
+    bpy.ops.lissom.marker_save(filepath=path)
+    bpy.ops.lissom.marker_clear()
+    bpy.ops.lissom.marker_load(filepath=path)
+    assert [(row.ends, row.number) for row in settings().markers] == known
+    subdivided(target)  # by halves: the surface, but for bent quads, is the same
+    bpy.ops.lissom.transfer_fit()
+    size = np.linalg.norm(np.ptp(rests()[1], axis=0))
+    assert np.abs(spots() - before).max() < 2e-3 * size
+    assert [row.number for row in settings().markers] == [number for _, number in known]
+    bpy.ops.lissom.marker_clear()
+    bpy.ops.lissom.marker_load(filepath=path)
+    assert np.abs(spots() - before).max() < 2e-3 * size
+    count = len(settings().markers)
+    while len(settings().markers) > 1:
+        bpy.ops.lissom.marker_remove(index=len(settings().markers) - 1)
+    bpy.ops.lissom.marker_mirror()
+    if len(settings().markers) == 2:
+        one, other = spots()
+        assert np.abs(other - one * [-1, 1, 1]).max() < 2e-3 * size
+    assert count > 5 and len(settings().markers) in (1, 2)
+
+
+def test_a_point_stays_in_its_face_through_sculpting():
+    between_vertices()
+    bpy.ops.lissom.transfer_fit()
+    known = [row.ends for row in settings().markers]
+    for vertex in settings().target.data.vertices:
+        vertex.co = vertex.co * 1.3 + Vector((0, 0, 0.5))
+    bpy.ops.lissom.transfer_fit()
+    assert [row.ends for row in settings().markers] == known
+    assert_allclose([row.target_place for row in settings().markers], spots()[:, 1], atol=1e-5)
+
+
+def test_points_whose_place_is_gone_are_named():
+    between_vertices()
+    bpy.ops.lissom.transfer_fit()
+    target = settings().target
+    settings().markers[2].name = "left ear"
+    lost = spots()[2, 1]
+    subdivided(target)
+    for vertex in target.data.vertices:
+        if np.linalg.norm(np.array(vertex.co) - lost) < 0.3:
+            vertex.co.y -= 3
+    with scene.refused("is not the mesh that these markers were placed on"):
+        bpy.ops.lissom.transfer_fit()
+    with pytest.raises(RuntimeError, match="'left ear'"):
+        bpy.ops.lissom.transfer_fit()
 
 
 def test_picking_needs_two_objects_in_a_window():

@@ -35,6 +35,15 @@ def gradient_and_areas(v: np.ndarray, f: np.ndarray):
     return matrix.reshape(-1, len(v)), double / 2
 
 
+def surface_diagonal(v: np.ndarray, f: np.ndarray) -> float:
+    """The square root of 12 times the radius of gyration: by the midpoints of edges, exact for squares."""
+    corners = v[f]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    middles = 0.5 * (corners + np.roll(corners, 1, axis=1))
+    centre = np.average(middles.mean(1), axis=0, weights=area)
+    return np.sqrt(12 * np.average(((middles - centre) ** 2).sum(2).mean(1), weights=area))
+
+
 def laplacian_and_mass(v: np.ndarray, f: np.ndarray):
     """L = G^T A G, positive semidefinite, and a third of the area at each vertex."""
     g, areas = gradient_and_areas(v, f)

@@ -3,7 +3,7 @@
 import lissom
 import numpy as np
 import pytest
-from dense import laplacian_and_mass, minimise, neighbours, window
+from dense import laplacian_and_mass, minimise, neighbours, surface_diagonal, window
 from shapes import diagonal, ends, grid_faces, moved, rigid, rotation, tube
 
 
@@ -62,7 +62,7 @@ def test_agrees_with_the_dense_equations(weights, scale, constraints):
     targets = moved(motion, vertices[handle])
 
     ids, local = window(faces, roi, 2)
-    size = diagonal(vertices)
+    size = surface_diagonal(vertices, faces)
     unit = vertices[ids] / size
     place = {v: k for k, v in enumerate(ids)}
     inside = np.array([place[v] for v in handle])

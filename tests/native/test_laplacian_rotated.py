@@ -3,7 +3,7 @@
 import lissom
 import numpy as np
 import pytest
-from dense import laplacian_and_mass
+from dense import laplacian_and_mass, surface_diagonal
 from shapes import diagonal, ends, moved, rigid, tube
 from test_laplacian import laplacian_rows, least_squares
 
@@ -31,11 +31,11 @@ def nearest_rotations(m):
 @pytest.mark.parametrize("estimate", [0.0, 0.1])
 def test_agrees_with_a_dense_reference(weights, estimate):
     vertices, faces = tube(rows=18, columns=12, bumps=0.1)
-    unit = vertices / diagonal(vertices)
+    unit = vertices / surface_diagonal(vertices, faces)
     low, high = ends(unit)
     given = np.concatenate([low, high])
     motion = MOTION.copy()
-    motion[:3, 3] /= diagonal(vertices)
+    motion[:3, 3] /= surface_diagonal(vertices, faces)
     targets = np.concatenate([unit[low], moved(motion, unit[high])])
     rows = laplacian_rows(unit, faces, weights)
     first = least_squares(rows, rows @ unit, given, targets)

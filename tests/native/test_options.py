@@ -29,6 +29,8 @@ def call(owner, **options):
         return lissom.Transfer(MESH, MESH, SAME, **options)
     if owner == "inbetween":
         return lissom.Inbetween(MESH, VERTICES, BENT, **options)
+    if owner == "image_mesh":
+        return lissom.image_mesh(np.ones((8, 8)), **options)
     return lissom.Blend(MESH, VERTICES, [BENT], **options)
 
 

@@ -69,6 +69,25 @@ def test_results_repeat_to_the_last_bit(method):
     assert np.array_equal(bent(method), bent(method))
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_results_do_not_depend_on_how_the_mesh_lies(method, seed):
+    """With every choice, and with the numbers that have a length in them."""
+    random = np.random.default_rng(seed)
+    vertices = VERTICES * random.uniform(0.5, 2, 3) + random.normal(size=VERTICES.shape) * 0.01
+    motion = rigid(random.normal(size=3), 1.2, random.normal(size=3))
+    turn = rigid(random.normal(size=3), random.uniform(0, np.pi), random.normal(size=3))
+    back = np.linalg.inv(turn)
+    varied = [{}, {"constraints": "soft", "weight": 3.0}]
+    for option in lissom.options():
+        if option.owner == f"pose.{method}":
+            varied += [{option.name: choice} for choice, _ in option.choices]
+            varied += [{option.name: 0.5 * option.default}] if option.kind == "float" else []
+    for options in varied:
+        straight = bent(method, vertices, motion=motion, **options)
+        turned = bent(method, moved(turn, vertices), motion=turn @ motion @ back, **options)
+        assert np.abs(moved(back, turned) - straight).max() < 1e-9 * diagonal(vertices), options
+
+
 def test_handles_are_copied_exactly_and_all_outside_the_region_stays(method):
     roi = np.flatnonzero(VERTICES[:, 0] > 2.0)
     pose = lissom.Pose(lissom.Mesh(VERTICES, FACES), [HIGH], roi=roi, method=method)

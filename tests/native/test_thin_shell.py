@@ -3,7 +3,7 @@
 import lissom
 import numpy as np
 import pytest
-from dense import gradient_and_areas, laplacian_and_mass, minimise, window
+from dense import gradient_and_areas, laplacian_and_mass, minimise, surface_diagonal, window
 from shapes import diagonal, ends, grid_faces, moved, rigid, tube
 
 
@@ -31,7 +31,7 @@ def test_agrees_with_dense_least_squares(border, k_s, k_b, constraints):
     soft = 20.0 if constraints == "soft" else None
     motion = rigid((0.2, 1, 0.3), 0.5, (0.1, 0.4, 0.2))
     targets = moved(motion, vertices[handle])
-    scale = diagonal(vertices)
+    scale = surface_diagonal(vertices, faces)
 
     ids, local = window(faces, roi, 4)
     inside = np.flatnonzero(np.isin(ids, handle))

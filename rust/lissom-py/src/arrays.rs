@@ -117,6 +117,12 @@ pub fn channels(name: &str, value: &Bound<'_, PyAny>, of: &[usize]) -> PyResult<
     Ok((shape[of.len()], values))
 }
 
+/// (h, w) numbers; w, and all of them row by row.
+pub fn grid(name: &str, value: &Bound<'_, PyAny>) -> PyResult<(usize, Vec<f64>)> {
+    let (shape, values) = floats(name, value, &[-1, -1])?;
+    Ok((shape[1], values))
+}
+
 /// (h, 4, 4) matrices, row by row as numpy has them.
 pub fn matrices(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Mat4>> {
     let (_, values) = floats(name, value, &[-1, 4, 4])?;
@@ -223,11 +229,21 @@ pub fn from_channels(py: Python<'_>, values: Vec<f64>, shape: &[usize]) -> PyRes
     Ok(PyArray::from_vec(py, values).reshape(shape)?.into_any().unbind())
 }
 
+/// Rows of indices as a (k, N) int64 array.
+fn from_rows<const N: usize>(py: Python<'_>, rows: &[[u32; N]]) -> PyResult<Py<PyAny>> {
+    let values = rows.iter().flatten().map(|&v| i64::from(v));
+    let array = PyArray::from_iter(py, values).reshape([rows.len(), N])?;
+    Ok(array.into_any().unbind())
+}
+
 /// Pairs as a (k, 2) int64 array.
 pub fn from_pairs(py: Python<'_>, pairs: &[[u32; 2]]) -> PyResult<Py<PyAny>> {
-    let values = pairs.iter().flatten().map(|&v| i64::from(v));
-    let array = PyArray::from_iter(py, values).reshape([pairs.len(), 2])?;
-    Ok(array.into_any().unbind())
+    from_rows(py, pairs)
+}
+
+/// Triangles as an (m, 3) int64 array.
+pub fn from_triangles(py: Python<'_>, triangles: &[[u32; 3]]) -> PyResult<Py<PyAny>> {
+    from_rows(py, triangles)
 }
 
 /// Numbers as a float64 array.

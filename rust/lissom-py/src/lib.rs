@@ -3,6 +3,7 @@
 
 mod arrays;
 mod errors;
+mod image;
 mod inbetween;
 mod job;
 mod mesh;
@@ -40,6 +41,7 @@ fn native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(transfer::start_transfer, module)?)?;
     module.add_function(wrap_pyfunction!(inbetween::start_inbetween, module)?)?;
     module.add_function(wrap_pyfunction!(inbetween::start_blend, module)?)?;
+    module.add_function(wrap_pyfunction!(image::start_image_mesh, module)?)?;
     module.add_function(wrap_pyfunction!(job::_panic, module)?)?;
     // What is public, the Python layer says.
     module.delattr("__all__")

@@ -1,5 +1,6 @@
 //! Options: what the core says of each, and what Python gives them.
 
+use lissom::image::ImageMeshOptions;
 use lissom::inbetween::{BlendOptions, InbetweenOptions};
 use lissom::options::{Kind, OptionSet, Spec, Value};
 use lissom::pose::{CommonOptions, METHODS, MethodOptions, SolveOptions};
@@ -25,6 +26,7 @@ fn owners() -> PyResult<Vec<(String, Vec<Spec>)>> {
     owners.push(("transfer".to_owned(), TransferOptions::default().own()));
     owners.push(("inbetween".to_owned(), InbetweenOptions::default().own()));
     owners.push(("blend".to_owned(), BlendOptions::default().own()));
+    owners.push(("image_mesh".to_owned(), ImageMeshOptions::default().own()));
     Ok(owners)
 }
 

@@ -53,17 +53,27 @@ fn fitted(py: Python<'_>, fit: Fit, meshes: [Arc<Mesh>; 2]) -> PyResult<Py<PyAny
     arrays.set_item("image_distances", arrays::from_numbers(py, fit.image_distances))?;
     arrays.set_item("stretch", arrays::from_numbers(py, fit.stretch))?;
     arrays.set_item("marker_distances", arrays::from_numbers(py, fit.marker_distances))?;
-    let [doubtful, curves] = [fit.doubtful_markers, fit.doubtful_curves];
+    let doubtful = fit.doubtful_markers;
     let numbers = |doubtful: &[Doubtful]| {
         arrays::from_integers(py, doubtful.iter().map(|doubtful| i64::from(doubtful.number)))
     };
+    let percents = |doubtful: &[Doubtful]| {
+        arrays::from_numbers(py, doubtful.iter().map(|doubtful| doubtful.percent).collect::<Vec<_>>())
+    };
+    let warnings = |doubtful: Vec<Doubtful>| -> Vec<String> {
+        doubtful.into_iter().map(|doubtful| doubtful.warning).collect()
+    };
     arrays.set_item("doubtful_markers", numbers(&doubtful))?;
+    arrays.set_item("doubtful_percents", percents(&doubtful))?;
+    arrays.set_item("doubtful_warnings", warnings(doubtful))?;
     arrays.set_item("curve_distances", arrays::from_numbers(py, fit.curve_distances))?;
-    arrays.set_item("doubtful_curves", numbers(&curves))?;
-    let percents = doubtful.iter().map(|doubtful| doubtful.percent).collect::<Vec<_>>();
-    arrays.set_item("doubtful_percents", arrays::from_numbers(py, percents))?;
-    let warnings: Vec<String> = doubtful.into_iter().map(|doubtful| doubtful.warning).collect();
-    arrays.set_item("doubtful_warnings", warnings)?;
+    arrays.set_item("doubtful_curves", numbers(&fit.doubtful_curves))?;
+    arrays.set_item("doubtful_curve_percents", percents(&fit.doubtful_curves))?;
+    arrays.set_item("unmet_curves", numbers(&fit.unmet_curves))?;
+    arrays.set_item("unmet_curve_percents", percents(&fit.unmet_curves))?;
+    arrays.set_item("reordered_curves", numbers(&fit.reordered_curves))?;
+    let of_curves = [fit.doubtful_curves, fit.unmet_curves, fit.reordered_curves];
+    arrays.set_item("curve_warnings", warnings(of_curves.into_iter().flatten().collect()))?;
     arrays.set_item("flipped", arrays::from_integers(py, fit.flipped.into_iter().map(i64::from)))?;
     let report = fields!(py, fit.report; distance_mean, distance_max, distance_mean_percent,
         distance_max_percent, flipped_triangles, stretched_triangles, unmatched_source_triangles,

@@ -44,12 +44,14 @@
 //! From the ground up: [`matrix`] and [`rotation`] are the algebra of 3 x 3 matrices, [`geometry`] what is true of
 //! points and triangles, whatever mesh they belong to. [`mesh`] (validated once) feeds [`operators`]; [`linear`] holds
 //! constraints and the factorization; [`stitch`] joins the two; [`pose`], [`transfer`] and [`inbetween`] choose, by
-//! their [`options`]. [`riding`] is how loose parts go with what they sit on, [`job`] is progress and cancellation, [`memory`] refuses what does not fit.
+//! their [`options`]. [`riding`] is how loose parts go with what they sit on, [`image`] makes flat meshes of drawings.
+//! [`job`] is progress and cancellation, [`memory`] refuses what does not fit.
 
 #![forbid(unsafe_code)]
 
 pub mod error;
 pub mod geometry;
+pub mod image;
 pub mod inbetween;
 pub mod job;
 pub mod linear;

@@ -14,7 +14,7 @@ const LAYERS: [&[&str]; 8] = [
     &["options"],
     &["operators", "riding"],
     &["stitch"],
-    &["pose", "transfer", "inbetween"],
+    &["pose", "transfer", "inbetween", "image"],
 ];
 
 const BEGIN: &str = "<!-- imports of the core -->";

@@ -15,9 +15,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::shapes::{Shapes, Targets};
+use super::shapes::{Of, Shapes, Targets};
 use super::turn::Turn;
-use crate::stitch::HatGradients;
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, memory, rotation};
 
 /// Several shapes of a mesh, factored once and combined at any weights.
@@ -98,12 +97,12 @@ impl Blend {
         let turn = |t: usize| rotation::exp(used.iter().map(|&(k, a)| self.turns[k][t] * a).sum());
         let change = |t: usize| turn(t) - Mat3::IDENTITY;
         let changes: Vec<Mat3> = (0..self.turning.len()).into_par_iter().map(change).collect();
-        let hats = |t: usize| -> [HatGradients; 2] {
-            let start = self.shapes.hats(0, t);
+        let stretched = |t: usize, of: Of| -> [[Vec3; 3]; 2] {
+            let start = self.shapes.triangle(0, t, of);
             let (mut stretched, mut line) = (start, start);
             for &(k, a) in &used {
                 let back = rotation::exp(self.turns[k][t]).transpose();
-                let shape = self.shapes.hats(k + 1, t);
+                let shape = self.shapes.triangle(k + 1, t, of);
                 for c in 0..3 {
                     stretched[c] += (back * shape[c] - start[c]) * a;
                     line[c] += (shape[c] - start[c]) * a;
@@ -118,7 +117,8 @@ impl Blend {
             (0..shapes[0].len()).map(at).collect()
         };
         let shares = [&[1.0 - weights.iter().sum::<f64>()], weights].concat();
-        let targets = [Targets { hats, changes, line: sum(&self.shapes.unit), shares, offsets: Vec::new() }];
+        let targets =
+            [Targets { stretched, changes, line: sum(&self.shapes.unit), shares, offsets: Vec::new() }];
         let y = self.shapes.stitch(&targets, self.refinement, |t| self.turning[t], job)?.remove(0);
         let x: Vec<Vec3> =
             sum(&self.shapes.given).iter().zip(y).map(|(&x, y)| x + y * self.shapes.scale).collect();

@@ -16,6 +16,9 @@
 //! with its shortest turns takes those.
 //!
 //! Beyond half a turn a whole patch turns about one axis, with whole turns counted (`turn`).
+//!
+//! Steps of equal weight, as on the two sides of a symmetric mesh, are taken at once, and a triangle that several of them
+//! lead to follows their mean: symmetric shapes go a symmetric way.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -23,7 +26,7 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
-use super::neighbours::{GENTLE, Neighbours, TreeEdge, distance};
+use super::neighbours::{GENTLE, Neighbours, TIE, distance};
 use super::rotations::TriangleMotion;
 use super::turn::{Turn, is_half, sided_log};
 use crate::{Job, Mat3, Result, Vec3, rotation};
@@ -33,6 +36,18 @@ const REGION: u32 = 16;
 
 /// Rotation vectors whose sum is at least this share of their lengths' sum are about one axis; those of crumples are not.
 const ONE_AXIS: f64 = 0.8;
+
+/// What was chosen, and from where.
+#[derive(Debug, Default)]
+pub(super) struct Branches {
+    pub turns: Vec<Turn>,
+    /// Triangles that the others' turns were chosen from.
+    pub roots: Vec<u32>,
+    /// From the hosts of parts that ride to these, where the walk entered them.
+    pub links: Vec<[u32; 2]>,
+    /// Roots that might as well turn the other way.
+    pub halves: Vec<u32>,
+}
 
 /// Each triangle by the least angle, whatever its neighbours do.
 pub(super) fn shortest(motions: &[TriangleMotion], drift: impl Fn(usize) -> Vec3 + Sync) -> Vec<Turn> {
@@ -48,8 +63,7 @@ pub(super) fn shortest(motions: &[TriangleMotion], drift: impl Fn(usize) -> Vec3
 /// component without any starts from the triangle that turns least: of those held by most vertices,
 /// since a whole turn looks like none, and of those outside crumples. Triangles without a rotation
 /// take their neighbour's. `drift` is how far the component of a triangle goes. `links` lead to triangles of parts that
-/// ride, from those that they sit on, hosts first: such parts are entered last, each by its gentlest link. With the turns come the
-/// steps of the walk, in order, and the roots that might as well turn the other way.
+/// ride, from those that they sit on, hosts first: such parts are entered last, each by its gentlest links.
 pub(super) fn consistent(
     neighbours: &Neighbours,
     motions: &[TriangleMotion],
@@ -57,14 +71,14 @@ pub(super) fn consistent(
     links: &[[u32; 2]],
     drift: impl Fn(usize) -> Vec3,
     job: &Job,
-) -> Result<(Vec<Turn>, Vec<TreeEdge>, Vec<u32>)> {
+) -> Result<Branches> {
     let mut walk = Walk {
         neighbours,
         motions,
         sizes: neighbours.region_sizes(),
         turns: vec![None; motions.len()],
         handed_on: vec![Turn::NONE; motions.len()],
-        steps: Vec::with_capacity(motions.len()),
+        roots: Vec::new(),
     };
     let mut queue = BinaryHeap::new();
     let at_rest = (0..motions.len() as u32).filter(|&t| moved[t as usize] == 0);
@@ -84,30 +98,51 @@ pub(super) fn consistent(
         .collect();
     roots.par_sort_unstable();
     let mut halves = Vec::new();
-    for (.., root) in roots {
-        let t = root as usize;
-        if walk.turns[t].is_none() {
-            if let Some(r) = motions[t].rotation() {
-                let omega = sided_log(r, drift(t));
-                walk.handed_on[t] = Turn::about(omega);
-                halves.extend(is_half(omega).then_some(root));
-            }
-            queue.push(Reverse((0, root, root)));
-            walk.run(&mut queue, job)?;
+    for (k, &(none, held, crumple, least, first)) in roots.iter().enumerate() {
+        if walk.turns[first as usize].is_some() {
+            continue;
         }
+        let limit = (f64::from_bits(least) + TIE).to_bits();
+        let alike = roots[k..]
+            .iter()
+            .take_while(|root| (root.0, root.1, root.2) == (none, held, crumple) && root.3 <= limit);
+        for &(.., root) in alike {
+            let t = root as usize;
+            if walk.turns[t].is_some() {
+                continue;
+            }
+            let omega = motions[t].rotation().map(|r| sided_log(r, drift(t)));
+            let half = omega.is_some_and(is_half);
+            // One alone chooses the way round.
+            if root != first && (half || none) {
+                continue;
+            }
+            walk.handed_on[t] = omega.map_or(Turn::NONE, Turn::about);
+            halves.extend(half.then_some(root));
+            queue.push(Reverse((0, root, root)));
+        }
+        walk.run(&mut queue, job)?;
     }
     let mut turns = settled(neighbours, motions, &walk.turns);
+    let links = neighbours.gentlest(motions, links);
     if !links.is_empty() {
         let seen = walk.turns.iter().map(Option::is_some);
         walk.turns = seen.zip(turns).map(|(seen, turn)| seen.then_some(turn)).collect();
-        for link in neighbours.gentlest(motions, links) {
-            walk.handed_on[link.from as usize] = walk.turns[link.from as usize].unwrap_or(Turn::NONE);
-            queue.push(Reverse((0, link.triangle, link.from)));
+        for links in &links {
+            let turn = |host: u32| walk.turns[host as usize].unwrap_or(Turn::NONE);
+            let way = turn(links[0][0]).omega();
+            for &[host, triangle] in links {
+                // Equal rotations may be whole turns apart.
+                if turn(host).omega().distance(way) < PI {
+                    walk.handed_on[host as usize] = turn(host);
+                    queue.push(Reverse((0, triangle, host)));
+                }
+            }
             walk.run(&mut queue, job)?;
         }
         turns = settled(neighbours, motions, &walk.turns);
     }
-    Ok((turns, walk.steps, halves))
+    Ok(Branches { turns, roots: walk.roots, links: links.concat(), halves })
 }
 
 /// The turns of a walk, with those that do not pay dropped and axes shared.
@@ -127,7 +162,7 @@ struct Walk<'a> {
     turns: Vec<Option<Turn>>,
     /// The turn that each triangle gives to those beyond a crease.
     handed_on: Vec<Turn>,
-    steps: Vec<TreeEdge>,
+    roots: Vec<u32>,
 }
 
 /// Triangles to visit: weight of the step, triangle, the triangle it is reached from; a root from itself.
@@ -136,34 +171,51 @@ type Queue = BinaryHeap<Reverse<(u64, u32, u32)>>;
 impl Walk<'_> {
     /// Empties the queue.
     fn run(&mut self, queue: &mut Queue, job: &Job) -> Result<()> {
-        while let Some(Reverse((weight, triangle, from))) = queue.pop() {
-            let (t, from) = (triangle as usize, from as usize);
-            if self.turns[t].is_some() {
-                continue;
+        let mut at_once = Vec::new();
+        while let Some(&Reverse((least, ..))) = queue.peek() {
+            job.check()?;
+            let limit = (f64::from_bits(least) + TIE).to_bits();
+            while let Some(Reverse((weight, triangle, from))) = queue.peek().filter(|next| next.0.0 <= limit)
+            {
+                if self.turns[*triangle as usize].is_none() {
+                    at_once.push((*triangle, *from, f64::from_bits(*weight) < GENTLE));
+                }
+                queue.pop();
             }
-            let near = match self.turns[from] {
-                Some(turn) if f64::from_bits(weight) < GENTLE => turn,
-                _ => self.handed_on[from],
-            };
-            let turn = self.motions[t].rotation().map_or(near, |r| near.nearest_to(r));
-            self.turns[t] = Some(turn);
-            let trusted = t == from || self.sizes[t] >= REGION;
-            self.handed_on[t] = if trusted { turn } else { self.handed_on[from] };
-            let next = self.neighbours.of_triangle(triangle).iter();
-            let unseen = next.filter(|(_, s)| self.turns[*s as usize].is_none());
-            queue.extend(unseen.map(|&(weight, s)| Reverse((weight, s, triangle))));
-            self.steps.push(TreeEdge { triangle, from: from as u32 });
-            if self.steps.len().is_multiple_of(4096) {
-                job.check()?;
+            at_once.sort_unstable();
+            for steps in at_once.chunk_by(|a, b| a.0 == b.0) {
+                self.step(steps, queue);
             }
+            at_once.clear();
         }
         Ok(())
+    }
+
+    /// Visits a triangle by one step, or several that are equal: triangle, from, whether it is gentle.
+    fn step(&mut self, steps: &[(u32, u32, bool)], queue: &mut Queue) {
+        let (triangle, first, _) = steps[0];
+        let t = triangle as usize;
+        let handed_on = Turn::mean(steps.iter().map(|&(_, from, _)| self.handed_on[from as usize]));
+        let near = Turn::mean(steps.iter().map(|&(_, from, gentle)| {
+            let own = self.turns[from as usize].filter(|_| gentle);
+            own.unwrap_or(self.handed_on[from as usize])
+        }));
+        let turn = self.motions[t].rotation().map_or(near, |r| near.nearest_to(r));
+        self.turns[t] = Some(turn);
+        let trusted = triangle == first || self.sizes[t] >= REGION;
+        self.handed_on[t] = if trusted { turn } else { handed_on };
+        let next = self.neighbours.of_triangle(triangle).iter();
+        let unseen = next.filter(|(_, s)| self.turns[*s as usize].is_none());
+        queue.extend(unseen.map(|&(weight, s)| Reverse((weight, s, triangle))));
+        if triangle == first {
+            self.roots.push(triangle);
+        }
     }
 }
 
 /// Gives shortest turns to patches beyond half a turn whose borders agree better with those.
 fn drop_unpaid(neighbours: &Neighbours, motions: &[TriangleMotion], turns: &mut [Turn]) {
-    let beyond: Vec<bool> = turns.iter().map(|turn| turn.angle.abs() > PI).collect();
+    let beyond: Vec<bool> = turns.iter().map(Turn::is_beyond_half).collect();
     let within = |a: usize, b: usize| beyond[a] && beyond[b];
     for patch in neighbours.patches(|t, s, _| within(t, s)).iter() {
         if !beyond[patch[0] as usize] {
@@ -184,7 +236,7 @@ fn drop_unpaid(neighbours: &Neighbours, motions: &[TriangleMotion], turns: &mut 
                 dropped += short.omega().distance(turns[s].omega());
             }
         }
-        if dropped < kept {
+        if dropped < kept * (1.0 - TIE) {
             for (&t, short) in patch.iter().zip(shortest) {
                 turns[t as usize] = short;
             }
@@ -195,7 +247,7 @@ fn drop_unpaid(neighbours: &Neighbours, motions: &[TriangleMotion], turns: &mut 
 /// Turns every patch beyond half a turn about one axis, the mean of those along its border. Each triangle there has a
 /// tilt of its own, by its shear, and handed on alone would lean the whole patch.
 fn share_axes(neighbours: &Neighbours, motions: &[TriangleMotion], turns: &mut [Turn]) {
-    let beyond: Vec<bool> = turns.iter().map(|turn| turn.angle.abs() > PI).collect();
+    let beyond: Vec<bool> = turns.iter().map(Turn::is_beyond_half).collect();
     for patch in neighbours.patches(|t, s, _| beyond[t] && beyond[s]).iter() {
         if !beyond[patch[0] as usize] {
             continue;
@@ -220,14 +272,13 @@ mod tests {
     use super::*;
 
     /// Turns about z of triangles whose rotations are by `degrees`, the first of them at rest.
-    fn walked(degrees: &[f64], pairs: &[[u32; 2]]) -> Vec<f64> {
+    fn walked(degrees: &[f64], pairs: &[[u32; 2]], links: &[[u32; 2]]) -> Vec<f64> {
         let turn = |d: &f64| TriangleMotion::Turns(rotation::exp(Vec3::Z * d.to_radians()));
         let motions: Vec<TriangleMotion> = degrees.iter().map(turn).collect();
         let moved: Vec<u8> = (0..motions.len()).map(|t| if t == 0 { 0 } else { 3 }).collect();
         let neighbours = Neighbours::joining(pairs, &motions);
-        let (turns, ..) =
-            consistent(&neighbours, &motions, &moved, &[], |_| Vec3::ZERO, &Job::default()).unwrap();
-        turns.iter().map(|turn| turn.omega().z.to_degrees().round()).collect()
+        let found = consistent(&neighbours, &motions, &moved, links, |_| Vec3::ZERO, &Job::default());
+        found.unwrap().turns.iter().map(|turn| turn.omega().z.to_degrees().round()).collect()
     }
 
     fn chain(count: usize) -> Vec<[u32; 2]> {
@@ -237,14 +288,26 @@ mod tests {
     #[test]
     fn gentle_steps_make_a_whole_turn() {
         let degrees: Vec<f64> = (0..=16).map(|k| 45.0 * f64::from(k)).collect();
-        assert_eq!(walked(&degrees, &chain(17)), degrees);
+        assert_eq!(walked(&degrees, &chain(17), &[]), degrees);
+    }
+
+    #[test]
+    fn what_rides_takes_the_branch_of_its_host() {
+        // A part that sits on the last of the host, and one that sits on that part.
+        let host: Vec<f64> = (0..=16).map(|k| 45.0 * f64::from(k)).collect();
+        let degrees = [host, vec![730.0, 740.0], vec![690.0, 690.0]].concat();
+        let pairs = [chain(17), vec![[17, 18], [19, 20]]].concat();
+        let links = [[17, 16], [18, 16], [19, 18], [20, 18]];
+        assert_eq!(walked(&degrees, &pairs, &links), degrees);
+        // By themselves they take the short way.
+        assert_eq!(walked(&degrees, &pairs, &[])[17..], [10.0, 20.0, -30.0, -30.0]);
     }
 
     #[test]
     fn a_crumple_between_two_regions_makes_none() {
         let crumple: Vec<f64> = (1..5).map(|k| 72.0 * f64::from(k)).collect();
         let degrees = [vec![0.0; 20], crumple, vec![0.0; 20]].concat();
-        let found = walked(&degrees, &chain(44));
+        let found = walked(&degrees, &chain(44), &[]);
         assert_eq!((found[20], found[43]), (72.0, 0.0), "{found:?}");
     }
 
@@ -255,9 +318,9 @@ mod tests {
         let degrees = [vec![0.0; 20], way, vec![-61.0; 20]].concat();
         let mut pairs = chain(45);
         pairs.extend((0..20).map(|t| [t, t + 25]));
-        let found = walked(&degrees, &pairs);
+        let found = walked(&degrees, &pairs, &[]);
         assert!(found[25..].iter().all(|&d| d == -61.0), "{found:?}");
         // Without the border the way round is all there is.
-        assert!(walked(&degrees, &chain(45))[25..].iter().all(|&d| d == 299.0));
+        assert!(walked(&degrees, &chain(45), &[])[25..].iter().all(|&d| d == 299.0));
     }
 }

@@ -74,13 +74,15 @@ impl Inbetween {
         if max_keys < 2 {
             return invalid("max_keys", "less than 2: both ends are keys");
         }
-        let tracks = self.tracks(|_| tolerance, job)?;
+        let (tracks, unseen) = self.tracks(|_| tolerance, job)?;
         let found = search(&tracks, Some(tolerance * (1.0 - IN_HAND)), max_keys, job)?;
+        let error = found.error + unseen;
         let warnings = match found.enough {
-            true => Vec::new(),
-            false => vec![format!("max_keys: {max_keys} keys leave an error of {:.3e}", found.error)],
+            true if error <= tolerance => Vec::new(),
+            true => vec![format!("tolerance: the path changes too fast to be sure of less than {error:.3e}")],
+            false => vec![format!("max_keys: {max_keys} keys leave an error of {error:.3e}")],
         };
-        Ok(Keyframes { times: found.times, error: found.error, warnings })
+        Ok(Keyframes { times: found.times, error, warnings })
     }
 
     /// The `count` times, with 0 and 1 among them, whose straight-line playback has the least error; fewer where they do as
@@ -95,17 +97,19 @@ impl Inbetween {
         }
         // A chord over a fraction of an arc is off by about the square of that fraction.
         let segments = (count - 1) as f64;
-        let tracks = self.tracks(|farthest| 0.5 * farthest / (segments * segments), job)?;
+        let (tracks, unseen) = self.tracks(|farthest| 0.5 * farthest / (segments * segments), job)?;
         let found = search(&tracks, None, count, job)?;
-        Ok(Keyframes { times: found.times, error: found.error, warnings: Vec::new() })
+        Ok(Keyframes { times: found.times, error: found.error + unseen, warnings: Vec::new() })
     }
 
     /// The arcs of all vertices that leave the straight line, in the mesh's own units; `tolerance` of the largest arc.
-    fn tracks(&self, tolerance: impl Fn(f64) -> f64, job: &Job) -> Result<Vec<Track>> {
+    /// With them, where no number of steps was enough, what they are off between the steps.
+    fn tracks(&self, tolerance: impl Fn(f64) -> f64, job: &Job) -> Result<(Vec<Track>, f64)> {
         let n = self.shapes.stationary.len();
         let mut steps = 1;
         let mut arcs = vec![vec![Vec3::ZERO; n]; 2];
-        loop {
+        let mut last = f64::INFINITY;
+        let unseen = loop {
             // The new steps, and in the end all of them once more, vertex by vertex.
             memory::check(
                 "the sampled path",
@@ -131,13 +135,18 @@ impl Inbetween {
             steps *= 2;
             let largest = arcs.par_iter().map(|y| y.iter().map(|y| y.length_squared()).fold(0.0, f64::max));
             let tolerance = tolerance(largest.reduce(|| 0.0, f64::max).sqrt() * self.shapes.scale);
-            if steps >= STEPS.1 || (steps >= STEPS.0 && off <= INTERPOLATION * tolerance) {
-                break;
+            if steps >= STEPS.0 && off <= INTERPOLATION * tolerance {
+                break 0.0;
             }
-        }
+            if steps >= STEPS.1 {
+                // It goes on falling as it did.
+                break off * (off / last).min(1.0);
+            }
+            last = off;
+        };
         let moves = |v: &usize| arcs.iter().any(|y| y[*v] != Vec3::ZERO);
         let vertices = (0..n).into_par_iter().filter(moves);
-        Ok(vertices.map(|v| arcs.iter().map(|y| y[v] * self.shapes.scale).collect()).collect())
+        Ok((vertices.map(|v| arcs.iter().map(|y| y[v] * self.shapes.scale).collect()).collect(), unseen))
     }
 }
 

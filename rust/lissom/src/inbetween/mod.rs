@@ -31,7 +31,8 @@
 //! | `branches` | `R_t(t)`: which logarithm of `R_t`, so that neighbours turn together |
 //! | `relative` | `R_t(t)` from the rotations between neighbours instead |
 //! | `stretch` | `S(t)`: in equal steps or by equal factors |
-//! | `shapes` | the shapes, prepared; what their triangles ask for stitched, and rotations refitted to that |
+//! | `shapes` | the shapes, prepared; what their triangles ask for stitched |
+//! | `refit` | rotations fitted to the shape that came out |
 //! | `path` | `x(t)`: all of these at a time |
 //! | `screw` | where components go that nothing holds |
 //! | `riders` | and those that sit on others: with them |
@@ -40,8 +41,9 @@
 //! | `route` | a path through several shapes |
 //! | `blend` | several shapes at once |
 //!
-//! Vertices in the same place at both ends stay there exactly; a connected component without such
-//! a vertex turns about the axis of its rigid motion (`screw`), or rides on a larger one that it keeps its place on.
+//! Vertices in the same place at both ends stay there exactly, those that single precision moves go straight;
+//! a connected component without such a vertex turns about the axis of its rigid motion (`screw`), or rides on a larger
+//! one that it keeps its place on (`riders`).
 
 mod blend;
 mod branches;
@@ -50,6 +52,7 @@ mod keyframes;
 mod neighbours;
 mod options;
 mod path;
+mod refit;
 mod relative;
 mod riders;
 mod rotations;

@@ -16,12 +16,8 @@ const RIGHT_ANGLE: f64 = 4.0;
 /// Dual edges to a triangle without a rotation come after all others: `|R - R'|_F^2` is at most 8.
 const LAST: f64 = 9.0;
 
-/// A step of the walk, to a triangle from one visited before; a root from itself.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct TreeEdge {
-    pub triangle: u32,
-    pub from: u32,
-}
+/// Weights, and squared angles, that differ by less are equal but for rounding.
+pub(super) const TIE: f64 = 1e-9;
 
 /// `|a - b|_F^2 = 8 sin^2(angle / 2)` between rotations: grows with the angle between them.
 pub(super) fn distance(a: Mat3, b: Mat3) -> f64 {
@@ -63,23 +59,28 @@ impl Neighbours {
         })
     }
 
-    /// The link of the least angle, a triangle from its host, to each group of triangles joined by edges, in order.
-    pub fn gentlest(&self, motions: &[TriangleMotion], links: &[[u32; 2]]) -> Vec<TreeEdge> {
+    /// Of links that lead to triangles from their hosts, `[triangle, host]`, those of the least angle to each group of
+    /// triangles joined by edges, in order, each as `[host, triangle]`. One alone leads over a crease: several might
+    /// choose different ways round.
+    pub fn gentlest(&self, motions: &[TriangleMotion], links: &[[u32; 2]]) -> Vec<Vec<[u32; 2]>> {
         let groups = self.groups(|_, _, _| true);
-        let mut first = vec![usize::MAX; groups.count()];
-        let mut least: Vec<(u64, TreeEdge)> = Vec::new();
-        for &[triangle, from] in links {
-            let weight = weight([triangle, from].map(|t| motions[t as usize].rotation())).to_bits();
-            let edge = TreeEdge { triangle, from };
-            let place = &mut first[groups.of()[triangle as usize] as usize];
+        let mut places = vec![usize::MAX; groups.count()];
+        let mut least: Vec<(f64, Vec<[u32; 2]>)> = Vec::new();
+        for &[triangle, host] in links {
+            let weight = weight([triangle, host].map(|t| motions[t as usize].rotation()));
+            let place = &mut places[groups.of()[triangle as usize] as usize];
             if *place == usize::MAX {
                 *place = least.len();
-                least.push((weight, edge));
-            } else if weight < least[*place].0 {
-                least[*place] = (weight, edge);
+                least.push((f64::INFINITY, Vec::new()));
+            }
+            let (lightest, chosen) = &mut least[*place];
+            if weight < *lightest - TIE {
+                (*lightest, *chosen) = (weight, vec![[host, triangle]]);
+            } else if weight <= *lightest + TIE && weight < GENTLE {
+                chosen.push([host, triangle]);
             }
         }
-        least.into_iter().map(|(_, edge)| edge).collect()
+        least.into_iter().map(|(_, chosen)| chosen).collect()
     }
 
     /// For each triangle, how many are joined to it by gentle steps.

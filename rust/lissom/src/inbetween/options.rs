@@ -26,8 +26,8 @@ options! {
         pub rotation: Rotation = Rotation::Consistent,
         /// How triangles grow and shrink along the path.
         pub stretch: Stretch = Stretch::Linear,
-        /// Rounds in which turns are fitted to the shapes that came out: lengths along the path get two to four
-        /// times better in 4 to 16.
+        /// Rounds in which turns are fitted to the shapes that came out, by a radian at most: lengths along the path
+        /// get up to twice as good in 4 to 16.
         pub refinement: usize = 0,
         /// Shapes to hit on the way, each (time, positions), in ascending order; speed may change there.
         pub through: Vec<(f64, Vec<Vec3>)> = Vec::new(),

@@ -15,11 +15,11 @@ use super::options::{InbetweenOptions, Rotation};
 use super::relative::Relative;
 use super::riders;
 use super::screw::Screw;
-use super::shapes::{Shapes, Targets};
+use super::shapes::{Of, Shapes, Targets};
 use super::stretch::{self, Stretch, shares};
 use super::turn::Turn;
 use crate::geometry::triangle::normal_and_area;
-use crate::stitch::{HatGradients, Volumes};
+use crate::stitch::Volumes;
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, memory};
 
 /// Correlation of the folds at both ends, below the negative of which a component counts as mirrored.
@@ -122,7 +122,7 @@ impl Inbetween {
             screws[part.floating] = Screw::of(pairs, means[part.component] - host);
         }
         let relative = match options.rotation {
-            Rotation::Relative => Some(Relative::new(&mesh, &ends, found.tree, job)?),
+            Rotation::Relative => Some(Relative::new(&mesh, &ends, &found.roots, &found.links, job)?),
             Rotation::Consistent | Rotation::Shortest => None,
         };
         let stretches = match options.stretch {
@@ -235,17 +235,17 @@ impl Inbetween {
         &self,
         t: f64,
         job: &Job,
-    ) -> Result<Targets<impl Fn(usize) -> [HatGradients; 2] + Sync + Send + '_>> {
+    ) -> Result<Targets<impl Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync + Send + '_>> {
         let changes = match &self.relative {
             Some(relative) => {
-                let mut rotations = relative.at(t, &self.turns, &self.ends, job)?;
+                let mut rotations = relative.at(t, &self.turns, job)?;
                 rotations.par_iter_mut().for_each(|r| *r -= Mat3::IDENTITY);
                 rotations
             }
             None => self.turns.par_iter().map(|turn| turn.at(t) - Mat3::IDENTITY).collect(),
         };
-        let hats = move |triangle: usize| {
-            let [start, end] = [0, 1].map(|shape| self.shapes.hats(shape, triangle));
+        let stretched = move |triangle: usize, of: Of| {
+            let [start, end] = [0, 1].map(|shape| self.shapes.triangle(shape, triangle, of));
             let (p, q) = shares(self.stretches.get(triangle).copied().flatten(), t);
             let back = self.ends[triangle].transpose();
             let stretched = [0, 1, 2].map(|c| start[c] * p + back * end[c] * q);
@@ -254,7 +254,7 @@ impl Inbetween {
         let line =
             self.shapes.unit[0].iter().zip(&self.shapes.unit[1]).map(|(&p, &q)| p + (q - p) * t).collect();
         let offsets = self.screws.iter().map(|screw| screw.at(t)).collect();
-        Ok(Targets { hats, changes, line, shares: vec![1.0 - t, t], offsets })
+        Ok(Targets { stretched, changes, line, shares: vec![1.0 - t, t], offsets })
     }
 }
 

@@ -14,21 +14,20 @@
 //! ```
 //!
 //! with the angles `a` of the misfits `R_j (R_i D_ij)^T`, by steps `R_i <- exp(d_i) R_i`, each a solve with the Laplacian
-//! of the dual graph, factored once, from where the minimum spanning tree leads. For small angles this is their square.
+//! of the dual graph, factored once, from the turns that `branches` chose. For small angles this is their square.
 //! Its derivative dies out towards half a turn, where that of the square jumps, so every step, and with it the path, is
 //! continuous in time however many triangles fold over. Between neighbours the shortest turn is hardly ever the wrong one, so twists of any number
 //! of turns come out whole.
 
 use rayon::prelude::*;
 
-use super::neighbours::TreeEdge;
 use super::turn::Turn;
 use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
 use crate::{Job, Mat3, Mesh, Result, Vec3, rotation};
 
 /// Steps at most, and the turn in radians below which a step is the last.
 const STEPS: usize = 6;
-const SMALL: f64 = 1e-4;
+const SMALL: f64 = 1e-7;
 
 /// Angle between neighbours, in radians, from which on they are trusted less.
 const CREASE: f64 = 0.5;
@@ -38,22 +37,19 @@ const CREASE: f64 = 0.5;
 pub(super) struct Relative {
     /// Neighbours, `log(R_i^T R_j)` and the weight.
     pairs: Vec<(u32, u32, Vec3, f64)>,
-    /// The spanning tree from its roots on; a root is its own parent.
-    tree: Vec<TreeEdge>,
     system: ConstrainedSystem,
 }
 
 impl Relative {
-    /// Factors the dual graph of `mesh`, whose triangles turn by `ends` and are spanned by `tree`.
+    /// Factors the dual graph of `mesh`, whose triangles turn by `ends`; `roots` take their own turn, and `links` join
+    /// parts that ride to their hosts.
     ///
     /// # Errors
     ///
     /// As [`ConstrainedSystem::new`].
-    pub fn new(mesh: &Mesh, ends: &[Mat3], tree: Vec<TreeEdge>, job: &Job) -> Result<Self> {
-        let component = |t: u32| mesh.components().of_vertex(mesh.triangles()[t as usize][0] as usize);
-        let links = tree.iter().filter(|step| component(step.triangle) != component(step.from));
-        let links = links.map(|step| [step.from, step.triangle]);
-        let pairs: Vec<[u32; 2]> = mesh.adjacency().triangle_pairs().chain(links).collect();
+    pub fn new(mesh: &Mesh, ends: &[Mat3], roots: &[u32], links: &[[u32; 2]], job: &Job) -> Result<Self> {
+        let pairs = mesh.adjacency().triangle_pairs().chain(links.iter().copied());
+        let pairs: Vec<[u32; 2]> = pairs.collect();
         let pairs: Vec<(u32, u32, Vec3, f64)> = pairs
             .into_par_iter()
             .map(|[i, j]| {
@@ -62,31 +58,21 @@ impl Relative {
             })
             .collect();
         let mut root = vec![false; ends.len()];
-        for step in tree.iter().filter(|step| step.triangle == step.from) {
-            root[step.triangle as usize] = true;
-        }
+        roots.iter().for_each(|&t| root[t as usize] = true);
         let edges = pairs.iter().map(|&(i, j, _, weight)| (i, j, weight));
         let laplacian = SymmetricMatrix::laplacian(ends.len(), edges);
         let constraints = Constraints::hard(ends.len(), |t| root[t]);
         let system = ConstrainedSystem::new(&laplacian, constraints, job)?;
-        Ok(Self { pairs, tree, system })
+        Ok(Self { pairs, system })
     }
 
-    /// The rotations at time `t`; roots take their own turn.
+    /// The rotations at time `t`.
     ///
     /// # Errors
     ///
     /// [`crate::Error::Cancelled`].
-    pub fn at(&self, t: f64, turns: &[Turn], ends: &[Mat3], job: &Job) -> Result<Vec<Mat3>> {
-        let mut now = vec![Mat3::IDENTITY; turns.len()];
-        for step in &self.tree {
-            let (j, i) = (step.triangle as usize, step.from as usize);
-            now[j] = if i == j {
-                turns[j].at(t)
-            } else {
-                now[i] * rotation::exp(rotation::log(ends[i].transpose() * ends[j]) * t)
-            };
-        }
+    pub fn at(&self, t: f64, turns: &[Turn], job: &Job) -> Result<Vec<Mat3>> {
+        let mut now: Vec<Mat3> = turns.par_iter().map(|turn| turn.at(t)).collect();
         let between: Vec<Mat3> = self.pairs.par_iter().map(|pair| rotation::exp(pair.2 * t)).collect();
         for _ in 0..STEPS {
             job.check()?;

@@ -8,15 +8,15 @@
 //! the shapes' half cotangents. The unknown is `y = x - line`, how far the result lies off the straight blend of the
 //! shapes. Where nothing turns `y` is zero to the last bit.
 //!
-//! *Refinement* keeps `s` and takes both as unknown, positions and rotations: the local and global steps of
-//! [`crate::stitch`].
+//! *Refinement* keeps `s` and refits the rotations to what came out (`refit`).
 
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::branches;
-use super::neighbours::{Neighbours, TreeEdge};
+use super::branches::{self, Branches};
+use super::neighbours::Neighbours;
+use super::refit::refit;
 use super::riders::Riders;
 use super::rotations::{self, TriangleMotion};
 use super::turn::Turn;
@@ -25,9 +25,13 @@ use crate::geometry::triangle::TriangleGeometry;
 use crate::linear::{Constraints, REGULARIZED};
 use crate::mesh::validate;
 use crate::operators::hat_gradients_at;
-use crate::rotation::nearest_rotation;
-use crate::stitch::{Descent, HatGradients, Local, Owners, Reference, Stitcher, Stop, Weights, refine};
+use crate::stitch::{HatGradients, Owners, Reference, Stitcher, Weights};
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
+
+/// What single precision and a few steps of computing in it leave, as a fraction of the largest coordinate: vertices
+/// that move by less are still. Far from the origin, at most [`UNSEEN`] of the size.
+const ROUNDING: f64 = 64.0 * f32::EPSILON as f64;
+const UNSEEN: f64 = 1e-3;
 
 /// Shapes of one mesh and the stitch between them.
 #[derive(Debug)]
@@ -40,9 +44,11 @@ pub(super) struct Shapes {
     /// The origins of unit coordinates, in the mesh's own units, and what a unit is there.
     origins: Vec<Vec3>,
     pub scale: f64,
-    /// Vertices that are in the same place in all shapes.
+    /// Vertices that are in the same place in all shapes, to single precision.
     pub stationary: Vec<bool>,
     pub riders: Riders,
+    /// Vertices that move by no more are still.
+    rounding: f64,
     hats: Vec<Vec<HatGradients>>,
     /// Slivers.
     pub warnings: Vec<String>,
@@ -52,18 +58,27 @@ pub(super) struct Shapes {
 pub(super) struct Turns {
     pub motions: Vec<TriangleMotion>,
     pub turns: Vec<Turn>,
-    /// The walk over the triangles that has chosen them.
-    pub tree: Vec<TreeEdge>,
+    /// The triangles that the others' turns were chosen from.
+    pub roots: Vec<u32>,
+    /// From the hosts of parts that ride to these: where their turns were chosen from.
+    pub links: Vec<[u32; 2]>,
     /// Those that turn over, as the input of the mesh counts them.
     pub inverted: Vec<usize>,
     /// Components that turn by half a turn, for which the other way round is as near.
     pub halves: Vec<usize>,
 }
 
+/// What is known of a triangle in a shape.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Of {
+    Hats,
+    Corners,
+}
+
 /// What one shape to be stitched asks for.
 pub(super) struct Targets<F> {
-    /// The hats of a triangle's stretched edges, and those less the ones on the straight line.
-    pub hats: F,
+    /// The hats of a triangle's stretched edges, or its stretched corners, and those less the ones on the straight line.
+    pub stretched: F,
     /// `R_t - I`.
     pub changes: Vec<Mat3>,
     /// The straight blend of the shapes, in unit coordinates, and the share of each.
@@ -104,8 +119,13 @@ impl Shapes {
             warnings.extend(fault.map(|fault| fault.to_string()));
         }
         let hats = unit.iter().map(|x| hat_gradients_at(&mesh, &weights, x)).collect();
+        let corners = mesh.triangles().iter().flatten();
+        let coordinates = shapes
+            .iter()
+            .flat_map(|(_, shape)| corners.clone().map(|&v| shape[v as usize].abs().max_element()));
+        let rounding = (ROUNDING * coordinates.fold(scale, f64::max)).min(UNSEEN * scale);
         let stationary: Vec<bool> = (0..mesh.rest().len())
-            .map(|v| shapes.iter().all(|(_, shape)| shape[v] == shapes[0].1[v]))
+            .map(|v| shapes.iter().all(|(_, shape)| shape[v].distance(shapes[0].1[v]) <= rounding))
             .collect();
         let constraints = Constraints::hard(stationary.len(), |v| stationary[v]);
         let weights = Weights::Corners(&weights);
@@ -120,6 +140,7 @@ impl Shapes {
             scale,
             stationary,
             riders,
+            rounding,
             hats,
             warnings,
         })
@@ -130,9 +151,12 @@ impl Shapes {
         self.stitcher.mesh()
     }
 
-    /// The hats of a triangle in one of the shapes.
-    pub fn hats(&self, shape: usize, triangle: usize) -> HatGradients {
-        self.hats[shape][triangle]
+    /// The hats, or the corners, of a triangle in one of the shapes.
+    pub fn triangle(&self, shape: usize, triangle: usize, of: Of) -> [Vec3; 3] {
+        match of {
+            Of::Hats => self.hats[shape][triangle],
+            Of::Corners => self.mesh().triangles()[triangle].map(|v| self.unit[shape][v as usize]),
+        }
     }
 
     /// How far the origin of unit coordinates goes from the first shape to another, in these units.
@@ -148,7 +172,13 @@ impl Shapes {
     /// [`Error::Cancelled`].
     pub fn turns(&self, shape: usize, agree: bool, job: &Job) -> Result<Turns> {
         let mesh = &**self.mesh();
-        let motions = rotations::motions(mesh, &self.unit[0], &self.unit[shape]);
+        let moves =
+            |v: &&u32| self.given[0][**v as usize].distance(self.given[shape][**v as usize]) > self.rounding;
+        let moved: Vec<u8> = mesh.triangles().iter().map(|t| t.iter().filter(moves).count() as u8).collect();
+        let mut motions = rotations::motions(mesh, &self.unit[0], &self.unit[shape]);
+        for (motion, _) in motions.iter_mut().zip(&moved).filter(|(_, moved)| **moved == 0) {
+            *motion = TriangleMotion::Turns(Mat3::IDENTITY);
+        }
         job.check()?;
         let neighbours = Neighbours::of(mesh, &motions);
         let drifts = self.drifts(shape);
@@ -156,18 +186,16 @@ impl Shapes {
             let component = mesh.components().of_vertex(mesh.triangles()[t][0] as usize);
             component.map_or(Vec3::ZERO, |c| drifts[c])
         };
-        let (turns, tree, halves) = if agree {
-            let moves = |v: &&u32| self.given[0][**v as usize] != self.given[shape][**v as usize];
-            let moved = mesh.triangles().iter().map(|t| t.iter().filter(moves).count() as u8);
+        let Branches { turns, roots, links, halves } = if agree {
             let links = self.riders.links(mesh, self.stitcher.floating());
-            branches::consistent(&neighbours, &motions, &moved.collect::<Vec<_>>(), &links, drift, job)?
+            branches::consistent(&neighbours, &motions, &moved, &links, drift, job)?
         } else {
-            (branches::shortest(&motions, drift), Vec::new(), Vec::new())
+            Branches { turns: branches::shortest(&motions, drift), ..Branches::default() }
         };
         let ids = neighbours.inverted(&motions).map(|t| mesh.triangle_ids()[t] as usize);
         let halves = halves.iter().map(|&t| mesh.triangles()[t as usize][0] as usize);
         let halves = halves.filter_map(|v| mesh.components().of_vertex(v)).collect();
-        Ok(Turns { inverted: ids.collect(), motions, turns, tree, halves })
+        Ok(Turns { inverted: ids.collect(), motions, turns, roots, links, halves })
     }
 
     /// How far the centroid of every component goes from the first shape to another, or that of what it rides on.
@@ -189,7 +217,7 @@ impl Shapes {
     /// # Errors
     ///
     /// [`Error::Cancelled`].
-    pub fn stitch<F: Fn(usize) -> [HatGradients; 2] + Sync + Send>(
+    pub fn stitch<F: Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync + Send>(
         &self,
         targets: &[Targets<F>],
         rounds: usize,
@@ -199,24 +227,43 @@ impl Shapes {
         let mut rhs = Vec::with_capacity(targets.len());
         for targets in targets {
             job.check()?;
-            rhs.push(self.stitcher.divergence(targets.reference(), &targets.changes));
+            rhs.push(targets.divergence(&self.stitcher, &targets.changes));
         }
         let mut shapes = vec![vec![Vec3::ZERO; self.stationary.len()]; targets.len()];
         self.stitcher.system().solve(&rhs, &mut shapes);
-        targets.par_iter().zip(&mut shapes).try_for_each(|(targets, y)| {
-            if rounds > 0 {
-                let refit = Refit { stitcher: &self.stitcher, targets, may_turn: &may_turn };
-                let start = refit.fit(std::mem::take(y));
-                // The last step is the plain one, which needs no look at where it leads.
-                let stop = Stop { max_iterations: rounds - 1, tolerance: 0.0 };
-                let refined = refine(&refit, start, stop, |_| job.check())?.point;
-                let [_, step] = refit.gradient(&refined);
-                *y = refined.0.iter().zip(step).map(|(&y, step)| y - step).collect();
+        for _ in 0..rounds {
+            for ((targets, y), rhs) in targets.iter().zip(&shapes).zip(&mut rhs) {
+                job.check()?;
+                *rhs = targets.divergence(&self.stitcher, &self.refitted(targets, y, &may_turn));
             }
+            self.stitcher.system().solve(&rhs, &mut shapes);
+        }
+        for (targets, y) in targets.iter().zip(&mut shapes) {
             self.place(targets, y);
-            Ok(())
-        })?;
+        }
         Ok(shapes)
+    }
+
+    /// `R_t - I` refitted to the shape `y`.
+    fn refitted<F: Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync + Send>(
+        &self,
+        targets: &Targets<F>,
+        y: &[Vec3],
+        may_turn: impl Fn(usize) -> bool + Sync,
+    ) -> Vec<Mat3> {
+        let x: Vec<Vec3> = targets.line.iter().zip(y).map(|(&line, &y)| line + y).collect();
+        let hats = |t: usize| (targets.stretched)(t, Of::Hats);
+        let reference = Reference::Edges { hats: &hats, base: &targets.line };
+        let found = self.stitcher.covariances(reference, &x);
+        let change = |(t, found): (usize, Mat3)| {
+            let asked = targets.changes[t];
+            if !may_turn(t) || found == Mat3::ZERO {
+                return asked;
+            }
+            let [corners, hats] = [Of::Corners, Of::Hats].map(|of| (targets.stretched)(t, of)[0]);
+            refit(Mat3::IDENTITY + asked, corners, hats, found) - Mat3::IDENTITY
+        };
+        found.into_par_iter().enumerate().map(change).collect()
     }
 
     /// Moves every floating component so that its centroid is off its straight line by its offset, what rides with its
@@ -235,47 +282,10 @@ impl Shapes {
     }
 }
 
-impl<F: Fn(usize) -> [HatGradients; 2] + Sync> Targets<F> {
-    fn reference(&self) -> Reference<'_> {
-        Reference::Edges { hats: &self.hats, base: &self.line }
-    }
-}
-
-/// Rotations refitted to the stitched shape (Sorkine & Alexa 2007, As-Rigid-As-Possible Surface Modeling).
-struct Refit<'a, F, M> {
-    stitcher: &'a Stitcher,
-    targets: &'a Targets<F>,
-    may_turn: &'a M,
-}
-
-impl<F: Fn(usize) -> [HatGradients; 2] + Sync, M: Fn(usize) -> bool + Sync> Refit<'_, F, M> {
-    /// The displacements with the targets that fit them best.
-    fn fit(&self, displacements: Vec<Vec3>) -> (Vec<Vec3>, Local) {
-        let pick = |t: usize, covariance: Mat3| {
-            let turns = covariance != Mat3::ZERO && (self.may_turn)(t);
-            if turns { nearest_rotation(covariance) } else { Mat3::IDENTITY + self.targets.changes[t] }
-        };
-        let local = self.stitcher.local_step(self.targets.reference(), &displacements, pick);
-        (displacements, local)
-    }
-}
-
-impl<F: Fn(usize) -> [HatGradients; 2] + Sync, M: Fn(usize) -> bool + Sync> Descent for Refit<'_, F, M> {
-    type Point = (Vec<Vec3>, Local);
-
-    fn energy(&self, (_, local): &Self::Point) -> (f64, f64) {
-        (local.energy, local.size)
-    }
-
-    fn gradient(&self, (displacements, local): &Self::Point) -> [Vec<Vec3>; 2] {
-        // Nothing is pulled here, only held.
-        let gradient = self.stitcher.gradient(self.targets.reference(), &local.changes, displacements, &[]);
-        let preconditioned = self.stitcher.precondition(&gradient);
-        [gradient, preconditioned]
-    }
-
-    fn moved(&self, (from, _): &Self::Point, direction: &[Vec3], length: f64) -> Self::Point {
-        self.fit(from.iter().zip(direction).map(|(&y, &d)| y + d * length).collect())
+impl<F: Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync> Targets<F> {
+    fn divergence(&self, stitcher: &Stitcher, changes: &[Mat3]) -> Vec<Vec3> {
+        let hats = |t: usize| (self.stretched)(t, Of::Hats);
+        stitcher.divergence(Reference::Edges { hats: &hats, base: &self.line }, changes)
     }
 }
 

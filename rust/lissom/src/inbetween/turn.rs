@@ -17,6 +17,9 @@ use crate::{Mat3, Vec3, rotation};
 /// Half a turn, give or take this many radians, has two ways.
 const HALF_TURN: f64 = 0.02;
 
+/// Radians that are rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Parts whose centroid is displaced by less, in unit coordinates, turn in their place.
 const IN_PLACE: f64 = 1e-3;
 
@@ -38,6 +41,20 @@ impl Turn {
         Self { axis, angle, swing: Vec3::ZERO }
     }
 
+    /// The mean of several turns to follow.
+    pub fn mean(turns: impl ExactSizeIterator<Item = Self>) -> Self {
+        let share = 1.0 / turns.len() as f64;
+        let (main, swing) = turns.fold((Vec3::ZERO, Vec3::ZERO), |(main, swing), turn| {
+            (main + turn.axis * turn.angle * share, swing + turn.swing * share)
+        });
+        Self { swing, ..Self::about(main) }
+    }
+
+    /// Whether it is more than half a turn, and not by rounding.
+    pub fn is_beyond_half(&self) -> bool {
+        self.angle.abs() > PI + ROUNDING
+    }
+
     /// Rotation vector, as far as the two factors have one.
     pub fn omega(&self) -> Vec3 {
         self.axis * self.angle + self.swing
@@ -54,7 +71,7 @@ impl Turn {
         let q = glam::DQuat::from_mat3(&r);
         let twist = 2.0 * Vec3::new(q.x, q.y, q.z).dot(self.axis).atan2(q.w);
         let angle = twist + TAU * ((self.angle - twist) / TAU).round();
-        if angle.abs() > PI {
+        if angle.abs() > PI + ROUNDING {
             let swing = rotation::log(rotation::exp(-self.axis * angle) * r);
             return Self { axis: self.axis, angle, swing };
         }

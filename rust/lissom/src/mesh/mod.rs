@@ -21,6 +21,7 @@ use crate::{Error, Fault, Mat3, Result, Vec3};
 pub struct Mesh {
     vertices: Vec<Vec3>,
     frame: UnitFrame,
+    diagonal: f64,
     rest: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     triangle_ids: Vec<u32>,
@@ -73,6 +74,7 @@ impl Mesh {
         Ok(Self {
             vertices,
             frame,
+            diagonal: diagonal(&rest, &triangles, &geometry.areas),
             rest,
             triangles,
             triangle_ids,
@@ -98,6 +100,7 @@ impl Mesh {
         Self {
             vertices: whole.iter().map(|&v| self.vertices[v as usize]).collect(),
             frame: self.frame,
+            diagonal: self.diagonal,
             triangle_ids: (0..triangles.len() as u32).collect(),
             input_triangles: triangles.len(),
             adjacency: Adjacency::of(whole.len(), &triangles),
@@ -115,6 +118,7 @@ impl Mesh {
         Self {
             vertices: rest.iter().map(|&p| self.frame.from_unit(p)).collect(),
             frame: self.frame,
+            diagonal: self.diagonal,
             triangle_ids: self.triangle_ids.clone(),
             input_triangles: self.input_triangles,
             adjacency: self.adjacency.clone(),
@@ -162,6 +166,13 @@ impl Mesh {
     /// The map between the mesh's own units and unit coordinates.
     pub fn frame(&self) -> UnitFrame {
         self.frame
+    }
+
+    /// What options call the diagonal of the mesh, in unit coordinates: the square root of 12 times the radius of gyration
+    /// of its surface. For a rectangle it is the diagonal, for a sphere that of its box, and unlike a box's it is the
+    /// same however the mesh lies.
+    pub fn diagonal(&self) -> f64 {
+        self.diagonal
     }
 
     /// The triangles in use: those that do not repeat a vertex.
@@ -237,4 +248,19 @@ impl Mesh {
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
+}
+
+/// As [`Mesh::diagonal`] says; 1 without area.
+fn diagonal(rest: &[Vec3], triangles: &[[u32; 3]], areas: &[f64]) -> f64 {
+    let (mut area, mut first, mut second) = (0.0, Vec3::ZERO, 0.0);
+    for (t, &part) in triangles.iter().zip(areas) {
+        let corners = t.map(|v| rest[v as usize]);
+        let sum: Vec3 = corners.iter().sum();
+        area += part;
+        first += sum * (part / 3.0);
+        second +=
+            (corners.iter().map(|p| p.length_squared()).sum::<f64>() + sum.length_squared()) * (part / 12.0);
+    }
+    let gyration = second / area - (first / area).length_squared();
+    if gyration > 0.0 { (12.0 * gyration).sqrt() } else { 1.0 }
 }

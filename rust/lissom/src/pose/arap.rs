@@ -289,7 +289,7 @@ impl Method for Arap {
 impl Smoothness {
     fn of(mesh: &Mesh, amount: f64) -> Self {
         let inverse = inverse_mass(mesh);
-        let unit = amount * BENDING * mesh.areas().iter().sum::<f64>();
+        let unit = amount * BENDING * mesh.areas().iter().sum::<f64>() / mesh.diagonal().powi(2);
         let rows = cotangent_laplacian(mesh).rows();
         let rest = rows.iter().map(|row| combination(row, mesh.rest())).collect();
         Self { rows, factor: inverse.into_iter().map(|m| m * unit).collect(), rest }

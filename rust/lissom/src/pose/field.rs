@@ -81,9 +81,11 @@ pub(super) fn polyharmonic(mesh: &Mesh, order: usize) -> Result<SymmetricMatrix>
 /// Smallest area of a cell, that of one 1e-12 of the diagonal across: the square of its inverse is in range.
 const LEAST_AREA: f64 = 1e-24;
 
-/// One over the lumped areas. Cells without area get a millionth of the mean.
+/// One over the lumped areas, in squares of the mesh's diagonal: energies of second differences, and the lengths that
+/// options weigh them by, are then the same however the mesh lies. Cells without area get a millionth of the mean.
 pub(super) fn inverse_mass(mesh: &Mesh) -> Vec<f64> {
     let mass = lumped_mass(mesh);
     let least = (1e-6 * mass.iter().sum::<f64>() / mass.len() as f64).max(LEAST_AREA);
-    mass.iter().map(|m| 1.0 / m.max(least)).collect()
+    let square = mesh.diagonal() * mesh.diagonal();
+    mass.iter().map(|m| square / m.max(least)).collect()
 }

@@ -31,7 +31,7 @@ options! {
         /// How much each neighbour of a vertex counts.
         pub weights: LaplacianWeights = LaplacianWeights::Cotangent,
         /// Bumps narrower than this turn as the surface around them does.
-        pub estimate: f64 = 0.05 => at_least(0.0) unit("of the diagonal"),
+        pub estimate: f64 = 0.05 => at_least(0.0) unit("of the mesh's diagonal"),
     }
 }
 

@@ -166,9 +166,10 @@ impl Method for RotationInvariant {
 fn principal_weights(mesh: &Mesh, weights: &[f64]) -> Vec<f64> {
     let principal = principal_directions(mesh);
     let rest = mesh.rest();
+    let negligible = NEGLIGIBLE_CURVATURE / mesh.diagonal();
     let at = |p: &Principal, edge: Vec3| {
         let [most, least] = p.curvatures.map(f64::abs);
-        let anisotropy = (most - least) / (most + least + NEGLIGIBLE_CURVATURE);
+        let anisotropy = (most - least) / (most + least + negligible);
         let (along, across) = (edge.dot(p.direction), edge.dot(p.normal.cross(p.direction)));
         let length_squared = (along * along + across * across).max(f64::MIN_POSITIVE);
         1.0 + anisotropy * (along * along - across * across) / length_squared

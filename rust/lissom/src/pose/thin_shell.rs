@@ -25,8 +25,8 @@ use crate::options::options;
 use crate::{Error, Fault, Job, Result, Vec3};
 
 options! {
-    /// Options of the thin shell. Stiffnesses are meant in unit coordinates (box diagonal 1), where
-    /// `sqrt(k_b / k_s)` is the length over which bending gives way to stretching; they may not both be 0.
+    /// Options of the thin shell. `sqrt(k_b / k_s)`, as a part of the mesh's diagonal, is the length over which bending
+    /// gives way to stretching; they may not both be 0.
     #[derive(Debug, Clone)]
     pub struct Options {
         /// Resistance to stretching.

@@ -71,8 +71,8 @@ pub fn fit_correspondence(
     let (x, rounds) = register(&source_side, &onto, &lie, options, job)?;
     job.report(0.9, "match");
     let led = led_by.told(&x, markers, options.marker_tolerance);
-    warnings
-        .extend(led.doubtful.iter().flatten().map(|doubtful| doubtful.warning.clone()).chain(led.warnings));
+    let doubtful = led.doubtful.iter().chain([&led.unmet, &led.reordered]).flatten();
+    warnings.extend(doubtful.map(|doubtful| doubtful.warning.clone()));
     let report = FitReport { rounds, warnings, certainty: lie.certainty, ..FitReport::default() };
     let mut fit =
         conclude(&Placed::new(&source_side, &x), &onto, options.match_distance, report, false, job)?;
@@ -82,6 +82,7 @@ pub fn fit_correspondence(
     let in_units = |off: Vec<f64>| off.into_iter().map(|off| off * target.frame().scale).collect();
     [fit.marker_distances, fit.curve_distances] = led.off.map(in_units);
     [fit.doubtful_markers, fit.doubtful_curves] = led.doubtful;
+    (fit.unmet_curves, fit.reordered_curves) = (led.unmet, led.reordered);
     fit.report.seconds = start.elapsed().as_secs_f64();
     job.report(1.0, "match");
     Ok(fit)

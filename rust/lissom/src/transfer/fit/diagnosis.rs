@@ -50,6 +50,10 @@ pub struct Fit {
     pub curve_distances: Vec<f64>,
     /// Curves that lie where markers and other curves do not put them.
     pub doubtful_curves: Vec<Doubtful>,
+    /// Curves that were followed and are not met.
+    pub unmet_curves: Vec<Doubtful>,
+    /// Curves on which the markers come in another order than on the target.
+    pub reordered_curves: Vec<Doubtful>,
     /// How well it went.
     pub report: FitReport,
 }

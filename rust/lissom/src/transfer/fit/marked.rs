@@ -36,6 +36,8 @@ pub struct LedBy {
     markers: Vec<Marker>,
     /// As markers, and their vertices on the target.
     curves: Vec<(Vec<Marker>, Vec<CurvePoint>)>,
+    /// The curves on which the markers come in another order than on the target.
+    reordered: Vec<usize>,
     /// The doubtful ones, counted through markers and curves, and how far each is off.
     doubts: Vec<(usize, f64)>,
 }
@@ -46,10 +48,12 @@ pub struct Led {
     pub off: [Vec<f64>; 2],
     /// Those that were left out and not met all the same.
     pub doubtful: [Vec<Doubtful>; 2],
+    /// The curves that were followed and not met.
+    pub unmet: Vec<Doubtful>,
+    /// The curves on which the markers come in another order than on the target.
+    pub reordered: Vec<Doubtful>,
     /// The curves that were followed.
     pub curves: Vec<Vec<CurvePoint>>,
-    /// What else there is to say about them.
-    pub warnings: Vec<String>,
 }
 
 impl Marked {
@@ -97,13 +101,11 @@ impl Marked {
         lie.markers = followed.collect();
         let followed = lie.markers.clone();
         let mut of_curves = Vec::with_capacity(curves.len());
+        let mut reordered = Vec::new();
         for (i, curve) in curves.iter().enumerate() {
             let matched = curve.matched(&followed, lie.turn.unwrap_or(Mat3::IDENTITY));
             if matched.is_err() {
-                warnings.push(format!(
-                    "curves: number {i}: the markers on it come in another order on the target, so that it is matched \
-                     by its length alone: look whether any are swapped"
-                ));
+                reordered.push(i);
             }
             let matched: Matched = matched.unwrap_or_else(|matched| matched);
             let as_markers = curve.markers(source, &matched);
@@ -112,7 +114,10 @@ impl Marked {
             }
             of_curves.push((as_markers, curve.places(&matched)));
         }
-        Ok(Self { lie, led_by: LedBy { markers: found, curves: of_curves, doubts: doubts.markers } })
+        Ok(Self {
+            lie,
+            led_by: LedBy { markers: found, curves: of_curves, reordered, doubts: doubts.markers },
+        })
     }
 }
 
@@ -182,17 +187,26 @@ impl LedBy {
         }
         let left_out = |i: usize| tolerance > 0.0 && self.doubts.iter().any(|d| d.0 == i);
         let missed = |i: &usize| tolerance > 0.0 && !left_out(*i) && !met(*i);
-        let warnings = (count..count + self.curves.len()).filter(missed).map(|i| {
+        let unmet = (count..count + self.curves.len()).filter(missed).map(|i| {
             let (number, percent) = (i - count, 100.0 * off[1][i - count]);
-            format!(
+            let warning = format!(
                 "curves: number {number} is met within {percent:.1} % of the target's diagonal only: look whether it is \
                  the same one on both meshes"
-            )
+            );
+            Doubtful { number: number as u32, percent, warning }
         });
-        let warnings = warnings.collect();
+        let unmet = unmet.collect();
+        let reordered = self.reordered.iter().map(|&number| {
+            let warning = format!(
+                "curves: number {number}: the markers on it come in another order on the target, so that it is matched \
+                 by its length alone: look whether any are swapped"
+            );
+            Doubtful { number: number as u32, percent: 100.0 * off[1][number], warning }
+        });
+        let reordered = reordered.collect();
         let followed =
             |(i, (_, places)): (usize, (_, Vec<CurvePoint>))| (!left_out(count + i)).then_some(places);
         let curves = self.curves.into_iter().enumerate().filter_map(followed).collect();
-        Led { off, doubtful, curves, warnings }
+        Led { off, doubtful, unmet, reordered, curves }
     }
 }

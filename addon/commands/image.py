@@ -1,0 +1,68 @@
+"""``blender --command lissom image``: a flat mesh of an image, or a second image at the end of its arc."""
+
+import pathlib
+
+import bpy
+
+from ..core.options import argument
+from ..core.refused import Refused
+from ..properties.image import LABELS
+
+SUMMARY = "make a flat mesh of an image, or lay a second image under the end of its arc"
+DONE, BAD_INPUT = 0, 2
+
+
+def configure(parser):
+    """Adds the command's arguments to an argparse.ArgumentParser."""
+    add = parser.add_argument
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument("--image", help="the image to make a mesh of")
+    what.add_argument("--second", help="the image to lay under the end of an arc of --object in --file")
+    add("--file", help="the .blend file to read (default: an empty one)")
+    add("--out", required=True, help="the .blend file to write")
+    for name in LABELS:
+        add(f"--{name}", **argument("image_mesh", name))
+    add("--height", type=float, default=2.0, help="height of the whole image in scene units (default: 2)")
+    add("--object", default="", help="name of the mesh object that gets the second image")
+    add("--slider", default="", help="slider of its arc (default: that of the last one)")
+
+
+def run(arguments):
+    """Reads, makes, writes; returns the exit code."""
+    try:
+        _check(arguments)
+        if arguments.file:
+            bpy.ops.wm.open_mainfile(filepath=str(pathlib.Path(arguments.file).resolve()), load_ui=False)
+        else:
+            bpy.ops.wm.read_factory_settings(use_empty=True)
+        image = str(pathlib.Path(arguments.image or arguments.second).resolve())
+        if arguments.image:
+            asked = {name: getattr(arguments, name) for name in LABELS}
+            bpy.ops.lissom.inbetween_image(filepath=image, height=arguments.height, **asked)
+        else:
+            asked = {"object": arguments.object, "slider": arguments.slider}
+            bpy.ops.lissom.inbetween_second_image(filepath=image, **asked)
+        bpy.ops.wm.save_as_mainfile(filepath=str(pathlib.Path(arguments.out).resolve()), copy=True)
+    except (Refused, RuntimeError) as error:
+        print(f"Error: {str(error).removeprefix('Error: ').strip()}")
+        return BAD_INPUT
+    return DONE
+
+
+def _check(arguments):
+    for name in ("image", "second", "file"):
+        path = getattr(arguments, name)
+        if path and not pathlib.Path(path).is_file():
+            raise Refused(f"--{name}: there is no file '{path}'")
+    if not pathlib.Path(arguments.out).resolve().parent.is_dir():
+        raise Refused(f"--out: there is no folder for '{arguments.out}'")
+    if arguments.second and not (arguments.file and arguments.object):
+        raise Refused("--second: say by --file and --object which mesh gets it")
+    if not arguments.height > 0:
+        raise Refused("--height: choose a height above 0")
+    for name, low, high in (
+        ("edge", 0.0, None), ("threshold", 0.0, 1.0), ("tolerance", 0.0, None), ("smallest", 0.0, None),
+    ):  # fmt: skip
+        value = getattr(arguments, name)
+        if not value >= low or (high is not None and value > high):
+            raise Refused(f"--{name}: {value:g} is out of its range")
