@@ -7,6 +7,7 @@ pub(crate) mod validate;
 mod weld;
 
 pub use crate::geometry::frame::UnitFrame;
+pub use crate::geometry::plane::Plane;
 pub use adjacency::{Adjacency, Corner, HalfEdge};
 pub use components::Components;
 
@@ -24,6 +25,8 @@ pub struct Mesh {
     triangles: Vec<[u32; 3]>,
     triangle_ids: Vec<u32>,
     input_triangles: usize,
+    /// Vertices from here on are mirror images, of which the caller does not know.
+    images_from: usize,
     adjacency: Adjacency,
     components: Components,
     geometry: TriangleGeometry,
@@ -70,6 +73,7 @@ impl Mesh {
         );
         validate::doubts(&adjacency, &triangles, &triangle_ids, &geometry, &welds, &mut warnings);
         Ok(Self {
+            images_from: vertices.len(),
             vertices,
             frame,
             rest,
@@ -99,6 +103,7 @@ impl Mesh {
             frame: self.frame,
             triangle_ids: (0..triangles.len() as u32).collect(),
             input_triangles: triangles.len(),
+            images_from: whole.len(),
             adjacency: Adjacency::of(whole.len(), &triangles),
             components: Components::of(whole.len(), &triangles),
             geometry: TriangleGeometry::of(&rest, &triangles),
@@ -109,6 +114,32 @@ impl Mesh {
         }
     }
 
+    /// The mesh with mirror images after its own vertices and triangles.
+    pub(crate) fn extended(
+        &self,
+        vertices: Vec<Vec3>,
+        triangles: Vec<[u32; 3]>,
+        triangle_ids: Vec<u32>,
+        welds: Vec<u32>,
+    ) -> Result<Self> {
+        let frame = UnitFrame::of(&vertices, &triangles)?;
+        let rest: Vec<Vec3> = vertices.iter().map(|&v| frame.to_unit(v)).collect();
+        Ok(Self {
+            frame,
+            triangle_ids,
+            input_triangles: self.input_triangles,
+            images_from: self.vertices.len(),
+            adjacency: Adjacency::of(vertices.len(), &triangles),
+            components: Components::of(vertices.len(), &triangles),
+            geometry: TriangleGeometry::of(&rest, &triangles),
+            vertices,
+            rest,
+            triangles,
+            welds,
+            warnings: self.warnings.clone(),
+        })
+    }
+
     /// The same triangles on other rest positions, in the same unit coordinates.
     pub(crate) fn reshaped(&self, rest: Vec<Vec3>) -> Self {
         Self {
@@ -116,6 +147,7 @@ impl Mesh {
             frame: self.frame,
             triangle_ids: self.triangle_ids.clone(),
             input_triangles: self.input_triangles,
+            images_from: self.images_from,
             adjacency: self.adjacency.clone(),
             components: self.components.clone(),
             geometry: TriangleGeometry::of(&rest, &self.triangles),
@@ -151,6 +183,11 @@ impl Mesh {
         self.vertices().len() == other.vertices().len()
             && self.triangles() == other.triangles()
             && self.triangle_ids() == other.triangle_ids()
+    }
+
+    /// Whether a vertex was added as a mirror image: nothing to speak of to the caller.
+    pub fn is_image(&self, vertex: usize) -> bool {
+        vertex >= self.images_from
     }
 
     /// Positions in unit coordinates.
