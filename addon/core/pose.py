@@ -5,6 +5,7 @@ from typing import NamedTuple
 import lissom
 import numpy as np
 
+from .mirrors import NONE
 from .refused import Refused, first
 from .work import Work
 
@@ -48,11 +49,12 @@ def check_groups(groups, handles, roi):
                 )
 
 
-def bind_work(vertices, triangles, corners, handles, weights, roi, asked):
+def bind_work(vertices, triangles, corners, handles, weights, roi, asked, mirrors=NONE):
     """Work whose result is the BoundPose of a mesh.
 
     ``vertices`` (n, 3) in solve space, ``corners`` (c,) the vertices of the faces in turn; ``handles`` and
     ``weights`` are lists of arrays (k,), ``roi`` one of indices or None, ``asked`` a pose_options.Asked.
+    ``mirrors`` are those of the object.
     """
 
     def steps():
@@ -63,8 +65,9 @@ def bind_work(vertices, triangles, corners, handles, weights, roi, asked):
             method=asked.method,
             handle_weights=weights if asked.use_weights else None,
             **asked.options,
+            **mirrors.pose(vertices),
         )
-        return BoundPose(pose, vertices, corners, len(handles), asked)
+        return BoundPose(pose, vertices, corners, len(handles), asked, mirrors)
 
     return Work(steps())
 
@@ -79,12 +82,13 @@ class Motion(NamedTuple):
 class BoundPose:
     """The native pose of one bound mesh, with what it was made from, to tell whether it still holds."""
 
-    def __init__(self, pose, vertices, corners, handles, asked):
+    def __init__(self, pose, vertices, corners, handles, asked, mirrors):
         """``pose`` is a lissom.Pose of so many ``handles``; the rest as ``bind_work`` has it."""
         self.pose = pose
         self.vertices = vertices
         self.corners = corners
         self.asked = asked
+        self.mirrors = mirrors
         self.warnings = pose.warnings
         self.extent = np.linalg.norm(np.ptp(vertices, axis=0))
         self._handles = handles
@@ -108,10 +112,11 @@ class BoundPose:
             return np.zeros(self._handles, dtype=bool)
         return np.linalg.norm(self._motion.turns, axis=1) > np.pi
 
-    def fits(self, vertices, corners, asked):
-        """True while mesh, method and options are the ones this pose was made for."""
+    def fits(self, vertices, corners, asked, mirrors):
+        """True while mesh, mirrors, method and options are the ones this pose was made for."""
         return (
             asked == self.asked
+            and mirrors == self.mirrors
             and np.array_equal(corners, self.corners)
             and np.array_equal(vertices, self.vertices)
         )

@@ -94,15 +94,16 @@ class Asked(NamedTuple):
     options: dict
     use_weights: bool
     weld: bool
+    symmetry: str = "OFF"
 
     @classmethod
-    def of(cls, method, base, use_weights, weld, value):
+    def of(cls, method, base, use_weights, weld, value, symmetry="OFF"):
         """``value(owner, name)`` looks an option up; numbers become the decimals that float32 stands for."""
         options = {}
         for owner, name in options_of(method, base):
             given = value(owner, name)
             options[name] = float(str(np.float32(given))) if isinstance(given, float) else given
-        return cls(method, options, use_weights, weld)
+        return cls(method, options, use_weights, weld, symmetry)
 
 
 def by_name():

@@ -10,7 +10,7 @@ from ..core.pose_options import Asked, by_name, options_of
 from ..core.refused import Refused, first
 from ..panels.common import draw_options, split_column
 from ..properties.options import iterations_property, option_property
-from ..properties.pose import METHOD_ITEMS, use_weights_property, weld_property
+from ..properties.pose import METHOD_ITEMS, symmetry_property, use_weights_property, weld_property
 from .job import JobOperator, allowed, answering, shown_object, writable_mesh
 from .pose_handles import OBJECT
 
@@ -35,9 +35,11 @@ class _Options:
         for (_, name), option in wanted.items():
             if name not in given:
                 setattr(self, name, option.default)
-        return Asked.of(
-            self.method, self.base, self.use_weights, self.weld, lambda _, name: getattr(self, name)
-        )
+
+        def value(_, name):
+            return getattr(self, name)
+
+        return Asked.of(self.method, self.base, self.use_weights, self.weld, value, self.symmetry)
 
     def draw(self, context):
         column = split_column(self.layout)
@@ -45,6 +47,7 @@ class _Options:
         draw_options(column, self.method, self.base, lambda _: self)
         column.prop(self, "use_weights")
         column.prop(self, "weld")
+        column.prop(self, "symmetry")
 
 
 class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
@@ -63,6 +66,7 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
     )
     use_weights: use_weights_property(options={"SKIP_SAVE"})
     weld: weld_property(options={"SKIP_SAVE"})
+    symmetry: symmetry_property(options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):

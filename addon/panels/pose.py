@@ -125,6 +125,7 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         column = split_column(layout)
         column.prop(settings, "method")
         draw_lines(column, "NONE", METHOD_LINES[settings.method])
+        column.prop(settings, "symmetry")
         header, body = layout.panel("LISSOM_pose_options", default_closed=True)
         header.label(text="Options")
         if body:

@@ -13,6 +13,7 @@ from bpy.props import (
 
 from .. import rebind
 from ..bridge.applied import PROBES
+from ..core.mirrors import SYMMETRIES
 from ..core.pose_options import METHODS, OPTIONS
 from .options import option_property
 
@@ -60,6 +61,18 @@ def weld_property(**also):
         description="Vertices in the very same place move as one, as at the seams of an imported mesh; "
         "the mesh itself keeps them all",
         default=False,
+        **also,
+    )
+
+
+def symmetry_property(**also):
+    """Across which axis of the object one side follows the other."""
+    return EnumProperty(
+        name="Symmetry",
+        description="One side of a symmetric mesh follows the handles of the other; "
+        "handles in the middle stay in the middle",
+        items=[(*item, number) for number, item in enumerate(SYMMETRIES)],
+        default="OFF",
         **also,
     )
 
@@ -133,6 +146,7 @@ class LissomPose(bpy.types.PropertyGroup):
     options: PointerProperty(type=LissomPoseOptions)
     use_weights: use_weights_property(update=_changed)
     weld: weld_property(update=_changed)
+    symmetry: symmetry_property(update=_changed)
     live: BoolProperty(
         name="Live",
         description="Let the mesh follow while an Empty moves. Off: it follows when Update is pressed",

@@ -17,6 +17,14 @@ class PoseOptions(TypedDict, total=False):
     """How strongly soft handles pull: more holds them closer."""
     preserve_volume: bool
     """Closed components keep the volume that they have at rest."""
+    mirror: Sequence[tuple[ArrayLike, ArrayLike]] | None
+    """Planes, each (point, normal), that complete a half mesh by its mirror image, with the same handles:
+    vertices on them stay on them."""
+    symmetry: Sequence[tuple[ArrayLike, ArrayLike]] | None
+    """Planes, each (point, normal), that a whole mesh is symmetric about: every handle's mirror image moves
+    as its mirror image. Where both are handles, the one on the normal's side leads."""
+    mirror_tolerance: float
+    """How far a vertex may be from where a mirror image has it to be that."""
     weights: Literal["cotangent", "uniform"]
     """How much each neighbour of a vertex counts."""
     scale: bool
@@ -137,6 +145,11 @@ class PathOptions(TypedDict, total=False):
     deeper of its ends."""
     clearance_end: ArrayLike | None
     """Where the vertices of that mesh are at the end, if they move."""
+    mirror: Sequence[tuple[ArrayLike, ArrayLike]] | None
+    """Planes, each (point, normal), that complete half shapes by their mirror image: vertices on them in all
+    shapes stay on them."""
+    mirror_tolerance: float
+    """How far a vertex may be from its mirror image to be on the plane."""
 
 
 class BlendOptions(TypedDict, total=False):

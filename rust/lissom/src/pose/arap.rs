@@ -42,6 +42,7 @@ use crate::rotation::nearest_rotation;
 use crate::stitch::{
     Descent, Owners, Reference, Stitcher, Stop, Weights, edge_weights, refine, turned, turned_less,
 };
+use crate::symmetry::Symmetry;
 use crate::{Job, Mat3, Mesh, Quat, Result, Vec3};
 
 /// Extended rotations are a start where they bring the energy below this fraction of that without.
@@ -110,6 +111,7 @@ struct Smoothness {
 /// A region on its way to a goal.
 struct Posing<'a> {
     arap: &'a Arap,
+    symmetry: &'a Symmetry,
     goal: &'a Goal,
 }
 
@@ -177,7 +179,7 @@ impl Arap {
     /// the lower minimum shows only at the end. Where both are about equal, rotations are not what the pose is
     /// about, and the second leads lower.
     fn start(&self, region: &Region, goal: &Goal) -> Turned {
-        let posing = Posing { arap: self, goal };
+        let posing = Posing { arap: self, symmetry: region.symmetry(), goal };
         let quaternions =
             |rotations: Vec<Mat3>| rotations.iter().map(|r| Quat::from_mat3(r).normalize()).collect();
         let extended = posing.stitched(quaternions(field::rotations(self.stitcher.system(), region, goal)));
@@ -220,7 +222,10 @@ impl Posing<'_> {
         stitcher.system().solve(&[asked], &mut displacements);
         let [displacements] = displacements;
         let bent = |i: usize| smoothness.as_ref().map_or((Mat3::ZERO, 0.0), |s| s.bent(i, &displacements));
-        let turning = stitcher.turning(rest, &rotations, &displacements, *rotation_smoothing, bent);
+        let mut turning = stitcher.turning(rest, &rotations, &displacements, *rotation_smoothing, bent);
+        // Else rounding grows where a symmetric shape is no minimum, as one that buckles.
+        self.symmetry.symmetrise_turns(&mut turning.torques);
+        self.symmetry.symmetrise_turns(&mut turning.misfits);
         let missed = |&(v, weight): &(u32, f64)| {
             weight * displacements[v as usize].distance_squared(self.goal.displacements[v as usize])
         };
@@ -243,7 +248,8 @@ impl Descent for Posing<'_> {
             Some(metric) => {
                 let mut divided = [vec![Vec3::ZERO; at.torques.len()]];
                 metric.solve(&[&at.torques], &mut divided);
-                let [divided] = divided;
+                let [mut divided] = divided;
+                self.symmetry.symmetrise_turns(&mut divided);
                 divided
             }
         };
@@ -263,7 +269,7 @@ impl Method for Arap {
     fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution> {
         // What is cancelled leaves the last pose as it was.
         let previous = self.previous.clone().filter(|_| options.warm_start);
-        let posing = Posing { arap: self, goal };
+        let posing = Posing { arap: self, symmetry: region.symmetry(), goal };
         let start = match previous {
             Some(rotations) => posing.stitched(rotations),
             None => self.start(region, goal),

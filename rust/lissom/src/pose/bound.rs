@@ -4,8 +4,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::goal::{self, Goal};
+use super::images::Images;
 use super::method::{CommonOptions, Method, SolveOptions};
-use super::region::{Handle, Region};
+use super::region::{self, Handle, Region};
 use super::registry::MethodOptions;
 use super::volume::KeptVolume;
 use super::welding::Welding;
@@ -55,6 +56,9 @@ pub struct Info {
 #[derive(Debug)]
 pub struct Pose {
     mesh: Arc<Mesh>,
+    /// The mesh with its mirror images, which is posed.
+    whole: Arc<Mesh>,
+    images: Images,
     welding: Welding,
     region: Region,
     method: Option<Box<dyn Method>>,
@@ -85,17 +89,20 @@ impl Pose {
     ) -> Result<Self> {
         let begin = Instant::now();
         job.report(0.0, "region");
-        let (welding, welded) = Welding::of(&mesh, handles);
-        let roi = roi.map(|roi| roi.iter().map(|&v| mesh.representative(v)).collect::<Vec<_>>());
-        let region = Region::of(&mesh, welded, roi.as_deref(), common.hold())?;
+        roi.map(|roi| region::membership(mesh.vertices().len(), roi)).transpose()?;
+        let (images, whole, handles) = Images::of(mesh.clone(), handles, common)?;
+        let (welding, welded) = Welding::of(&whole, handles);
+        let roi = roi.map(|roi| images.region(roi.iter().map(|&v| whole.representative(v)).collect()));
+        let region = Region::of(&whole, images.symmetry(), welded, roi.as_deref(), common.hold())?;
         job.report(0.1, "matrix");
         job.check()?;
         let method = if region.is_rigid() { None } else { Some(method.bind(&region, job)?) };
         let keeps = common.preserve_volume && method.is_some();
-        let volume = if keeps { Some(KeptVolume::of(&mesh, &region, job)?) } else { None };
+        let volume = if keeps { Some(KeptVolume::of(&whole, &region, job)?) } else { None };
         let mut info = Info::default();
         let mut warnings = region.warnings().to_vec();
-        warnings.extend(volume.as_ref().and_then(|volume| volume.warning(&mesh)));
+        warnings.extend(images.warning());
+        warnings.extend(volume.as_ref().and_then(|volume| volume.warning(&whole)));
         let systems = method.iter().flat_map(|m| m.systems()).chain(volume.as_ref().map(KeptVolume::system));
         let factors: Vec<&Factor> = systems.map(|s| s.factor()).collect();
         for factor in &factors {
@@ -108,7 +115,7 @@ impl Pose {
         }
         info.seconds = begin.elapsed().as_secs_f64();
         job.report(1.0, "ready");
-        Ok(Self { mesh, welding, region, method, volume, info, warnings })
+        Ok(Self { mesh, whole, images, welding, region, method, volume, info, warnings })
     }
 
     /// What binding made.
@@ -123,12 +130,12 @@ impl Pose {
 
     /// Number of handles.
     pub fn handle_count(&self) -> usize {
-        self.welding.handles().len()
+        self.images.given().len()
     }
 
     /// Number of handle vertices, all handles together.
     pub fn handle_vertex_count(&self) -> usize {
-        self.welding.vertices().count()
+        self.images.given().iter().map(|handle| handle.vertices.len()).sum()
     }
 
     /// What is doubtful about the mesh, the handles, the region and the system.
@@ -166,13 +173,18 @@ impl Pose {
             let broken = turns.iter().enumerate().filter(|(_, r)| !r.is_finite()).map(|(h, _)| h);
             refuse("turns", "not finite", broken)?;
         }
-        let rest = self.mesh.vertices();
-        let targets: Vec<Vec3> = (self.welding.handles().iter().zip(transforms))
+        let (leading, turns) = self.images.lead(transforms, turns);
+        let transforms = self.images.transforms(&leading);
+        let rest = self.whole.vertices();
+        let mut targets: Vec<Vec3> = (self.welding.handles().iter().zip(&transforms))
             .flat_map(|(handle, m)| handle.vertices.iter().map(|&v| m.transform_point3(rest[v as usize])))
             .collect();
-        let motions = goal::motions(transforms, turns, self.mesh.frame(), self.region.is_anchored());
-        let own = self.welding.distinct_targets(&self.mesh, &targets);
-        let goal = self.region.goal(&self.mesh, &own, motions, true);
+        self.images.symmetrise_targets(&self.whole, self.welding.handles(), &mut targets);
+        let anchored = self.region.is_anchored();
+        let motions = goal::motions(&leading, turns.as_deref(), self.whole.frame(), anchored);
+        let motions = self.images.motions(&motions, self.whole.frame());
+        let own = self.welding.distinct_targets(&self.whole, &targets);
+        let goal = self.region.goal(&self.whole, &own, motions, true);
         self.pose(&targets, &own, &goal, options, job)
     }
 
@@ -188,14 +200,18 @@ impl Pose {
         expect_count("targets", "points", targets.len(), self.handle_vertex_count(), "handle vertices")?;
         let broken = targets.iter().enumerate().filter(|(_, p)| !p.is_finite()).map(|(i, _)| i);
         refuse("targets", "not finite", broken)?;
-        let own = self.welding.distinct_targets(&self.mesh, targets);
-        self.welding.expect_joined(&self.mesh, targets, &own)?;
-        let mut motions = self.region.estimate_motions(&self.mesh, &own);
+        let mut targets = self.images.targets(&self.whole, self.welding.handles(), targets);
+        self.images.symmetrise_targets(&self.whole, self.welding.handles(), &mut targets);
+        let own = self.welding.distinct_targets(&self.whole, &targets);
+        self.welding.expect_joined(&self.whole, &targets, &own)?;
+        let motions = self.region.estimate_motions(&self.whole, &own);
+        let mut motions = self.images.leading(&motions);
         let mut rotations: Vec<Vec3> = motions.iter().map(|m| m.rotation).collect();
         agree(&mut rotations, self.region.is_anchored());
         motions.iter_mut().zip(rotations).for_each(|(m, rotation)| m.rotation = rotation);
-        let goal = self.region.goal(&self.mesh, &own, motions, false);
-        self.pose(targets, &own, &goal, options, job)
+        let motions = self.images.motions(&motions, self.whole.frame());
+        let goal = self.region.goal(&self.whole, &own, motions, false);
+        self.pose(&targets, &own, &goal, options, job)
     }
 
     /// `targets` are those of the handles as given, `own` those of the region's.
@@ -210,10 +226,10 @@ impl Pose {
         options.check()?;
         let begin = Instant::now();
         let mut report = Report { converged: true, warnings: self.warnings().to_vec(), ..Report::default() };
-        let mut vertices = self.mesh.vertices().to_vec();
+        let mut vertices = self.whole.vertices().to_vec();
         if let Some(method) = &mut self.method {
             let solution = method.solve(&self.region, goal, options, job)?;
-            self.region.write_back(&self.mesh, &solution.displacements, &mut vertices);
+            self.region.write_back(&self.whole, &solution.displacements, &mut vertices);
             report.iterations = solution.iterations;
             report.energy = solution.energy;
             report.converged = solution.converged;
@@ -231,13 +247,15 @@ impl Pose {
             }
         }
         let put = |vertices: &mut [Vec3]| {
-            self.welding.put(&self.mesh, targets, own, vertices, |v| self.region.is_given(v));
+            self.images.symmetrise(&self.whole, vertices);
+            self.welding.put(&self.whole, targets, own, vertices, |v| self.region.is_given(v));
         };
         put(&mut vertices);
         if let Some(volume) = &self.volume {
-            volume.restore(&self.mesh, &self.region, &mut vertices);
+            volume.restore(&self.whole, &self.region, &mut vertices);
             put(&mut vertices);
         }
+        vertices.truncate(self.mesh.vertices().len());
         if let Some(v) = vertices.iter().position(|p| !p.is_finite()) {
             return Err(Error::SolveFailed(format!("vertex {v} overflows the range of numbers")));
         }

@@ -3,6 +3,7 @@
 use super::goal::Goal;
 use super::region::{Hold, Region};
 use crate::linear::ConstrainedSystem;
+use crate::mesh::Plane;
 use crate::options::{choices, options};
 use crate::{Job, Result, Vec3};
 
@@ -39,6 +40,14 @@ options! {
         pub weight: f64 = 1.0 => above(0.0) when("constraints", "soft"),
         /// Closed components keep the volume that they have at rest.
         pub preserve_volume: bool = false,
+        /// Planes, each (point, normal), that complete a half mesh by its mirror image, with the same handles: vertices on
+        /// them stay on them.
+        pub mirror: Vec<Plane> = Vec::new(),
+        /// Planes, each (point, normal), that a whole mesh is symmetric about: every handle's mirror image moves as its
+        /// mirror image. Where both are handles, the one on the normal's side leads.
+        pub symmetry: Vec<Plane> = Vec::new(),
+        /// How far a vertex may be from where a mirror image has it to be that.
+        pub mirror_tolerance: f64 = 1e-4 => at_least(0.0) unit("of the diagonal"),
     }
 }
 

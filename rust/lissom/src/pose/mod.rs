@@ -2,7 +2,7 @@
 //!
 //! [`Pose`] (`bound`) prepares a region of interest and its handles once (`region`) and a method
 //! ([`Method`], one a file; `registry` knows them by name); each solve turns the handles' motion into a [`Goal`]
-//! (`goal`, `welding`) and hands it to the method. Methods see a mesh that consists of the region alone, so none
+//! (`goal`, `welding`, `images`) and hands it to the method. Methods see a mesh that consists of the region alone, so none
 //! knows of anything outside.
 //!
 //! | file | chooses |
@@ -20,6 +20,7 @@ pub mod arap;
 mod bound;
 mod field;
 mod goal;
+mod images;
 pub mod laplacian;
 pub mod laplacian_fitted;
 pub mod laplacian_rotated;

@@ -7,6 +7,7 @@ use super::goal::{Goal, HandleMotion};
 use crate::geometry::rigid::Alignment;
 use crate::linear::Constraints;
 use crate::rotation::log;
+use crate::symmetry::Symmetry;
 use crate::{Error, Fault, Mat3, Mesh, Result, Vec3};
 
 /// Vertices that move together.
@@ -51,11 +52,19 @@ pub struct Region {
     /// For each vertex of the part, its handle.
     handle_of: Vec<Option<u32>>,
     constraints: Constraints,
+    /// Of the part.
+    symmetry: Symmetry,
     warnings: Vec<String>,
 }
 
 impl Region {
-    pub(super) fn of(mesh: &Mesh, handles: Vec<Handle>, roi: Option<&[u32]>, hold: Hold) -> Result<Self> {
+    pub(super) fn of(
+        mesh: &Mesh,
+        symmetry: &Symmetry,
+        handles: Vec<Handle>,
+        roi: Option<&[u32]>,
+        hold: Hold,
+    ) -> Result<Self> {
         let n = mesh.vertices().len();
         let mut warnings = mesh.warnings().to_vec();
         let handle_of = owners(n, &handles)?;
@@ -65,7 +74,8 @@ impl Region {
             Some(roi) => membership(n, roi)?,
             None => vec![true; n],
         };
-        let outside = handle_of.iter().enumerate().filter(|(v, h)| h.is_some() && !in_roi[*v]);
+        let outside = handle_of.iter().enumerate();
+        let outside = outside.filter(|(v, h)| h.is_some() && !in_roi[*v] && !mesh.is_image(*v));
         let problem = "outside the region of interest, moved all the same";
         warnings
             .extend(Fault::at("handles", problem, outside.map(|(v, _)| v)).map(|fault| fault.to_string()));
@@ -86,7 +96,8 @@ impl Region {
         };
         let first: Vec<usize> = components.members().iter().map(|m| m[0] as usize).collect();
         let mut say = |problem: &str, which: &dyn Fn(usize) -> bool| {
-            let offenders = (0..first.len()).filter(|&c| which(c)).map(|c| first[c]);
+            let offenders =
+                (0..first.len()).filter(|&c| which(c) && !mesh.is_image(first[c])).map(|c| first[c]);
             warnings.extend(Fault::at("handles", problem, offenders).map(|fault| fault.to_string()));
         };
         say("components without a handle stay at rest, named by their first vertex", &|c| points[c] == 0);
@@ -124,7 +135,8 @@ impl Region {
         }
         let target_of = whole.iter().map(|&v| target_of[v as usize]).collect();
         let handle_of = whole.iter().map(|&v| handle_of[v as usize]).collect();
-        Ok(Self { handles, given, part, whole, target_of, handle_of, constraints, warnings })
+        let symmetry = symmetry.of_part(&whole);
+        Ok(Self { handles, given, part, whole, target_of, handle_of, constraints, symmetry, warnings })
     }
 
     /// The same region of a mesh whose vertices rest elsewhere, in unit coordinates; given ones do not.
@@ -137,6 +149,7 @@ impl Region {
             target_of: self.target_of.clone(),
             handle_of: self.handle_of.clone(),
             constraints: self.constraints.clone(),
+            symmetry: self.symmetry.clone(),
             warnings: self.warnings.clone(),
         }
     }
@@ -194,6 +207,11 @@ impl Region {
     /// Which vertices of [`Region::mesh`] are given.
     pub fn constraints(&self) -> &Constraints {
         &self.constraints
+    }
+
+    /// What [`Region::mesh`] and its handles are symmetric about.
+    pub fn symmetry(&self) -> &Symmetry {
+        &self.symmetry
     }
 
     /// Whether some connected part is held by points on a line only, or a single one, so that a turn or a
@@ -267,6 +285,13 @@ impl Region {
     }
 }
 
+/// Refuses handles that are not right for a mesh of `n` vertices.
+pub(super) fn check(n: usize, handles: &[Handle], hold: Hold) -> Result<()> {
+    owners(n, handles)?;
+    pulls(n, handles, hold)?;
+    Ok(())
+}
+
 /// The handle that each vertex is in.
 fn owners(n: usize, handles: &[Handle]) -> Result<Vec<Option<u32>>> {
     let invalid = |fault: Fault| Err(Error::InvalidConstraint(fault));
@@ -307,7 +332,7 @@ fn owners(n: usize, handles: &[Handle]) -> Result<Vec<Option<u32>>> {
 }
 
 /// Whether each vertex is in the region.
-fn membership(n: usize, roi: &[u32]) -> Result<Vec<bool>> {
+pub(super) fn membership(n: usize, roi: &[u32]) -> Result<Vec<bool>> {
     if roi.is_empty() {
         return Err(Error::InvalidConstraint(Fault::new("roi", "the region of interest is empty")));
     }
