@@ -4,8 +4,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::goal::{self, Goal};
+use super::handles::Handle;
 use super::method::{CommonOptions, Method, SolveOptions};
-use super::region::{Handle, Region};
+use super::region::Region;
 use super::registry::MethodOptions;
 use super::volume::KeptVolume;
 use super::welding::Welding;
