@@ -88,7 +88,7 @@ impl Pose {
         job.report(0.0, "region");
         let (welding, welded) = Welding::of(&mesh, handles);
         let roi = roi.map(|roi| roi.iter().map(|&v| mesh.representative(v)).collect::<Vec<_>>());
-        let region = Region::of(&mesh, welded, roi.as_deref(), common.hold())?;
+        let region = Region::of(&mesh, welded, roi.as_deref(), common.hold(), method.is_solid())?;
         job.report(0.1, "matrix");
         job.check()?;
         let method = if region.is_rigid() { None } else { Some(method.bind(&region, job)?) };

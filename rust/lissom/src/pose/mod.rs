@@ -30,6 +30,7 @@ pub mod poisson;
 mod region;
 mod registry;
 mod responses;
+mod rods;
 pub mod rotation_invariant;
 pub mod thin_shell;
 mod volume;

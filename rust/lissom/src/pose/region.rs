@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::goal::{Goal, HandleMotion};
 use super::handles::{Handle, Hold, membership, owners, pulls};
+use super::rods::{Owned, rods};
 use crate::geometry::rigid::Alignment;
 use crate::linear::Constraints;
 use crate::rotation::log;
@@ -26,11 +27,20 @@ pub struct Region {
     /// For each vertex of the part, its handle.
     handle_of: Vec<Option<u32>>,
     constraints: Constraints,
+    /// Those that reach a free vertex, of a solid region.
+    rods: Vec<Owned>,
     warnings: Vec<String>,
 }
 
 impl Region {
-    pub(super) fn of(mesh: &Mesh, handles: Vec<Handle>, roi: Option<&[u32]>, hold: Hold) -> Result<Self> {
+    /// A `solid` region has [`rods`] through its closed parts.
+    pub(super) fn of(
+        mesh: &Mesh,
+        handles: Vec<Handle>,
+        roi: Option<&[u32]>,
+        hold: Hold,
+        solid: bool,
+    ) -> Result<Self> {
         let n = mesh.vertices().len();
         let mut warnings = mesh.warnings().to_vec();
         let handle_of = owners(n, &handles)?;
@@ -70,10 +80,16 @@ impl Region {
             &|c| points[c] > 0 && held[c] <= 2,
         );
 
+        let (mut rods, hollow) = if solid { rods(mesh) } else { (Vec::new(), None) };
+        warnings.extend(hollow);
+        rods.retain(|rod| rod.ends().iter().any(|&v| free(v as usize)));
+
         // Cells of given vertices beside free ones reach one ring further and count in full, and so do
         // their Laplacians' neighbours where curvature is continued across the border.
         let triangles = mesh.triangles();
         let mut near: Vec<bool> = (0..n).map(free).collect();
+        let joined = rods.iter().flat_map(|rod| rod.ends().into_iter().chain([rod.owner]));
+        joined.for_each(|v| near[v as usize] = true);
         let ring = |near: &[bool]| -> Vec<usize> {
             (0..triangles.len()).filter(|&t| triangles[t].iter().any(|&v| near[v as usize])).collect()
         };
@@ -91,6 +107,7 @@ impl Region {
             let triangles = taking_part.iter().map(|&t| triangles[t].map(|v| local[&v])).collect();
             Arc::new(mesh.part(&whole, triangles))
         });
+        let rods = rods.iter().map(|rod| rod.renumbered(|v| local[&v])).collect();
         let soft = (0u32..).zip(&whole).filter_map(|(v, &w)| Some((v, pull[w as usize]?)));
         let constraints = Constraints::hard(whole.len(), |v| !free(whole[v] as usize)).with_soft(soft);
         let mut target_of = vec![None; n];
@@ -99,7 +116,7 @@ impl Region {
         }
         let target_of = whole.iter().map(|&v| target_of[v as usize]).collect();
         let handle_of = whole.iter().map(|&v| handle_of[v as usize]).collect();
-        Ok(Self { handles, given, part, whole, target_of, handle_of, constraints, warnings })
+        Ok(Self { handles, given, part, whole, target_of, handle_of, constraints, rods, warnings })
     }
 
     /// The same region of a mesh whose vertices rest elsewhere, in unit coordinates; given ones do not.
@@ -112,6 +129,7 @@ impl Region {
             target_of: self.target_of.clone(),
             handle_of: self.handle_of.clone(),
             constraints: self.constraints.clone(),
+            rods: self.rods.clone(),
             warnings: self.warnings.clone(),
         }
     }
@@ -152,7 +170,8 @@ impl Region {
         self.part.is_none()
     }
 
-    /// The mesh that methods work on: free vertices and the three rings of given ones around them.
+    /// The mesh that methods work on: free vertices and the three rings of given ones around them and around the ends of
+    /// their rods.
     ///
     /// # Panics
     ///
@@ -169,6 +188,11 @@ impl Region {
     /// Which vertices of [`Region::mesh`] are given.
     pub fn constraints(&self) -> &Constraints {
         &self.constraints
+    }
+
+    /// Rods through the body, by the vertices of [`Region::mesh`]; none where the region is not solid.
+    pub(super) fn rods(&self) -> &[Owned] {
+        &self.rods
     }
 
     /// Whether some connected part is held by points on a line only, or a single one, so that a turn or a
