@@ -49,7 +49,7 @@ _LABELS = {
         "k_b": {"label": "Bending", **_STIFF},
         "border": {"label": "Border Order"},
     },
-    "poisson": {"border": {"label": "Border Order"}},
+    "poisson": {"border": {"label": "Border Order"}, "solid": {"label": "Solid"}},
     "multiresolution": {
         "smoothing": {"label": "Detail Size", "high": 10.0, "soft_high": 1.0},
         "details": {"label": "Details", "labels": {"gradients": "Turned", "offsets": "Offset"}},
@@ -62,6 +62,7 @@ _LABELS = {
         },
         "rotation_smoothing": {"label": "Smooth Rotations", "high": 1e4, "soft_high": 1.0},
         "smoothness": {"label": "Smoothness", "high": 0.999},
+        "solid": {"label": "Solid"},
     },
     "laplacian_rotated": {
         "weights": _WEIGHTS,

@@ -42,6 +42,9 @@ class PoseOptions(TypedDict, total=False):
     border: int
     """How smoothly the pose joins the handles and the border of the region: 0 in value, 1 in slope too, 2 in
     curvature too."""
+    solid: bool
+    """Closed parts keep their thickness when they bend and twist, as a body does and a hollow shell does
+    not."""
     smoothing: float
     """Bumps narrower than this are details, and follow the base."""
     details: Literal["gradients", "offsets"]

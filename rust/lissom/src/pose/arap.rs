@@ -27,20 +27,19 @@
 
 use std::f64::consts::PI;
 
-use rayon::prelude::*;
-
 use super::field::{self, inverse_mass};
 use super::goal::Goal;
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
-use crate::geometry::rows::Rows;
+use super::rods::differences;
 use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
-use crate::matrix::{outer, trace};
+use crate::matrix::trace;
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::options::{choices, options};
 use crate::rotation::nearest_rotation;
 use crate::stitch::{
-    Descent, Owners, Reference, Stitcher, Stop, Weights, edge_weights, refine, turned, turned_less,
+    Descent, Differences, Owners, Reference, Stitcher, Stop, Weights, edge_weights, refine, turned,
+    turned_less,
 };
 use crate::symmetry::Symmetry;
 use crate::{Job, Mat3, Mesh, Quat, Result, Vec3};
@@ -75,6 +74,8 @@ options! {
         pub rotation_smoothing: f64 = 0.001 => at_least(0.0),
         /// How much curvature counts against lengths: 0.1 takes the spike off a single moved vertex.
         pub smoothness: f64 = 0.0 => at_least(0.0) below(1.0),
+        /// Closed parts keep their thickness when they bend and twist, as a body does and a hollow shell does not.
+        pub solid: bool = false,
     }
 }
 
@@ -92,20 +93,12 @@ pub struct Arap {
     rest: Vec<Mat3>,
     /// `a` times the region's area, against weights times `1 - l`, over the number of cells of an edge.
     rotation_smoothing: f64,
-    smoothness: Option<Smoothness>,
+    /// What vertices own besides their edges.
+    differences: Vec<Differences>,
     /// Of the descent, where rotations are smoothed.
     metric: Option<ConstrainedSystem>,
     /// The rotations of the last pose.
     previous: Option<Vec<Quat>>,
-}
-
-/// The Laplacian's rows, how much each counts, and what they make of the rest pose.
-#[derive(Debug)]
-struct Smoothness {
-    rows: Rows<(u32, f64)>,
-    /// `l h^2 / m_i`.
-    factor: Vec<f64>,
-    rest: Vec<Vec3>,
 }
 
 /// A region on its way to a goal.
@@ -136,13 +129,11 @@ impl Arap {
     /// [`crate::Error::SolveFailed`] where a system cannot be factored.
     pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let mesh = region.mesh();
-        let n = mesh.rest().len();
         let share = 1.0 - options.smoothness;
-        let smoothness = (options.smoothness > 0.0).then(|| Smoothness::of(mesh, options.smoothness));
-        let bending = smoothness.as_ref().map(|smoothness| {
-            let rows = smoothness.factor.iter().copied().zip(smoothness.rows.iter());
-            SymmetricMatrix::normal(n, rows)
-        });
+        let smooth = (options.smoothness > 0.0).then(|| smoothness(mesh, options.smoothness));
+        let solid = (!region.rods().is_empty()).then(|| differences(region.rods(), mesh.rest(), share));
+        let differences: Vec<Differences> = smooth.into_iter().chain(solid).collect();
+        let more = differences.iter().map(Differences::matrix).reduce(|a, b| a.combine(1.0, &b, 1.0));
         let (of_triangles, of_edges);
         let (owners, weights) = match options.cells {
             Cells::SpokesAndRims => {
@@ -156,12 +147,10 @@ impl Arap {
             }
         };
         let constraints = region.constraints().clone();
-        let stitcher = Stitcher::new(mesh.clone(), owners, weights, bending.as_ref(), constraints, job)?;
+        let stitcher = Stitcher::new(mesh.clone(), owners, weights, more.as_ref(), constraints, job)?;
         let mut rest = stitcher.covariances(Reference::Rest, mesh.rest());
         for (i, covariance) in rest.iter_mut().enumerate() {
-            if let Some(smoothness) = &smoothness {
-                *covariance += smoothness.covariance(i, smoothness.rest[i]);
-            }
+            differences.iter().for_each(|differences| *covariance += differences.rest_covariance(i));
             // But for rounding they are symmetric; exactly so, the rest pose has no torques.
             *covariance = (*covariance + covariance.transpose()) * 0.5;
         }
@@ -170,7 +159,7 @@ impl Arap {
         let metric = (rotation_smoothing > 0.0)
             .then(|| metric(&stitcher, &rest, rotation_smoothing, job))
             .transpose()?;
-        Ok(Self { stitcher, rest, rotation_smoothing, smoothness, metric, previous: None })
+        Ok(Self { stitcher, rest, rotation_smoothing, differences, metric, previous: None })
     }
 
     /// The better of two shapes to start from: stitched to the handles' rotations, extended as harmonic rotation
@@ -213,16 +202,19 @@ fn metric(stitcher: &Stitcher, rest: &[Mat3], smoothing: f64, job: &Job) -> Resu
 impl Posing<'_> {
     /// The shape that matches rotations best.
     fn stitched(&self, rotations: Vec<Quat>) -> Turned {
-        let Arap { stitcher, rest, rotation_smoothing, smoothness, .. } = self.arap;
+        let Arap { stitcher, rest, rotation_smoothing, differences, .. } = self.arap;
         let mut asked = stitcher.turn_divergence(&rotations);
-        if let Some(smoothness) = smoothness {
-            smoothness.add_divergence(&rotations, &mut asked);
+        for differences in differences {
+            differences.add_divergence(|i, v| turned_less(rotations[i], v), &mut asked);
         }
         let mut displacements = [self.goal.displacements.clone()];
         stitcher.system().solve(&[asked], &mut displacements);
         let [displacements] = displacements;
-        let bent = |i: usize| smoothness.as_ref().map_or((Mat3::ZERO, 0.0), |s| s.bent(i, &displacements));
-        let mut turning = stitcher.turning(rest, &rotations, &displacements, *rotation_smoothing, bent);
+        let more = |i: usize| {
+            let at = differences.iter().map(|differences| differences.at(i, &displacements));
+            at.fold((Mat3::ZERO, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1))
+        };
+        let mut turning = stitcher.turning(rest, &rotations, &displacements, *rotation_smoothing, more);
         // Else rounding grows where a symmetric shape is no minimum, as one that buckles.
         self.symmetry.symmetrise_turns(&mut turning.torques);
         self.symmetry.symmetrise_turns(&mut turning.misfits);
@@ -292,34 +284,9 @@ impl Method for Arap {
     }
 }
 
-impl Smoothness {
-    fn of(mesh: &Mesh, amount: f64) -> Self {
-        let inverse = inverse_mass(mesh);
-        let unit = amount * BENDING * mesh.areas().iter().sum::<f64>() / mesh.diagonal().powi(2);
-        let rows = cotangent_laplacian(mesh).rows();
-        let rest = rows.iter().map(|row| combination(row, mesh.rest())).collect();
-        Self { rows, factor: inverse.into_iter().map(|m| m * unit).collect(), rest }
-    }
-
-    /// Adds `sum_i f_i L_ij (R_i - I) (L v)_i`, what the second differences ask of each vertex.
-    fn add_divergence(&self, rotations: &[Quat], divergence: &mut [Vec3]) {
-        let asked: Vec<Vec3> =
-            (0..rotations.len()).map(|i| turned_less(rotations[i], self.rest[i]) * self.factor[i]).collect();
-        let rows = divergence.par_iter_mut().enumerate();
-        rows.for_each(|(j, sum)| *sum += combination(self.rows.of(j), &asked));
-    }
-
-    /// What the second differences at a vertex add to its covariance and to the size of the displacements.
-    fn bent(&self, i: usize, displacements: &[Vec3]) -> (Mat3, f64) {
-        let bend = combination(self.rows.of(i), displacements);
-        (self.covariance(i, bend), self.factor[i] * bend.length_squared())
-    }
-
-    fn covariance(&self, i: usize, bend: Vec3) -> Mat3 {
-        outer(bend, self.rest[i]) * self.factor[i]
-    }
-}
-
-fn combination(row: &[(u32, f64)], vectors: &[Vec3]) -> Vec3 {
-    row.iter().fold(Vec3::ZERO, |sum, &(j, value)| sum + vectors[j as usize] * value)
+/// `l h^2 sum_i |(L x)_i - R_i (L v)_i|^2 / m_i`.
+fn smoothness(mesh: &Mesh, amount: f64) -> Differences {
+    let unit = amount * BENDING * mesh.areas().iter().sum::<f64>() / mesh.diagonal().powi(2);
+    let factor = inverse_mass(mesh).into_iter().map(|m| m * unit).collect();
+    Differences::new(cotangent_laplacian(mesh).rows(), factor, mesh.rest())
 }

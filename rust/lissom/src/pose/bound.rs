@@ -4,9 +4,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::goal::{self, Goal};
+use super::handles::{self, Handle};
 use super::images::Images;
 use super::method::{CommonOptions, Method, SolveOptions};
-use super::region::{self, Handle, Region};
+use super::region::Region;
 use super::registry::MethodOptions;
 use super::volume::KeptVolume;
 use super::welding::Welding;
@@ -89,11 +90,12 @@ impl Pose {
     ) -> Result<Self> {
         let begin = Instant::now();
         job.report(0.0, "region");
-        roi.map(|roi| region::membership(mesh.vertices().len(), roi)).transpose()?;
+        roi.map(|roi| handles::membership(mesh.vertices().len(), roi)).transpose()?;
         let (images, whole, handles) = Images::of(mesh.clone(), handles, common)?;
         let (welding, welded) = Welding::of(&whole, handles);
         let roi = roi.map(|roi| images.region(roi.iter().map(|&v| whole.representative(v)).collect()));
-        let region = Region::of(&whole, images.symmetry(), welded, roi.as_deref(), common.hold())?;
+        let hold = common.hold();
+        let region = Region::of(&whole, images.symmetry(), welded, roi.as_deref(), hold, method.is_solid())?;
         job.report(0.1, "matrix");
         job.check()?;
         let method = if region.is_rigid() { None } else { Some(method.bind(&region, job)?) };

@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::goal::HandleMotion;
+use super::handles::{self, Handle};
 use super::method::CommonOptions;
-use super::region::{self, Handle};
 use crate::geometry::plane::expect_perpendicular;
 use crate::mesh::{Plane, UnitFrame};
 use crate::rotation::{exp, log, polar};
@@ -59,7 +59,7 @@ impl Images {
         if common.mirror.is_empty() && common.symmetry.is_empty() {
             return Ok((images, mesh, handles));
         }
-        region::check(mesh.vertices().len(), &handles, common.hold())?;
+        handles::check(mesh.vertices().len(), &handles, common.hold())?;
         expect_perpendicular("mirror", &common.mirror)?;
         let all = [common.mirror.as_slice(), &common.symmetry].concat();
         expect_perpendicular("symmetry", &all)?;

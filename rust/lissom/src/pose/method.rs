@@ -1,7 +1,8 @@
 //! What a pose method is.
 
 use super::goal::Goal;
-use super::region::{Hold, Region};
+use super::handles::Hold;
+use super::region::Region;
 use crate::linear::ConstrainedSystem;
 use crate::mesh::Plane;
 use crate::options::{choices, options};

@@ -1,6 +1,6 @@
 //! Pose a mesh by handles: some vertices are moved, some stay, the rest follow, details intact.
 //!
-//! [`Pose`] (`bound`) prepares a region of interest and its handles once (`region`) and a method
+//! [`Pose`] (`bound`) prepares a region of interest and its handles once (`region`, `handles`) and a method
 //! ([`Method`], one a file; `registry` knows them by name); each solve turns the handles' motion into a [`Goal`]
 //! (`goal`, `welding`, `images`) and hands it to the method. Methods see a mesh that consists of the region alone, so none
 //! knows of anything outside.
@@ -20,6 +20,7 @@ pub mod arap;
 mod bound;
 mod field;
 mod goal;
+mod handles;
 mod images;
 pub mod laplacian;
 pub mod laplacian_fitted;
@@ -30,6 +31,7 @@ pub mod poisson;
 mod region;
 mod registry;
 mod responses;
+mod rods;
 pub mod rotation_invariant;
 pub mod thin_shell;
 mod volume;
@@ -37,7 +39,8 @@ mod welding;
 
 pub use bound::{Info, Pose, Posed, Report};
 pub use goal::{Goal, HandleMotion};
+pub use handles::{Handle, Hold};
 pub use method::{CommonOptions, Holding, Method, Solution, SolveOptions};
-pub use region::{Handle, Hold, Region};
+pub use region::Region;
 pub use registry::{METHODS, MethodOptions};
 pub use responses::{Linear, Response};
