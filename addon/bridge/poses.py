@@ -230,7 +230,12 @@ def motion(obj, tracker=None):
         empties.told_turn(obj, handle.empty, handle.rotation_mode, handle.rotation, linear, transform)
         for handle, transform in zip(handles, transforms, strict=True)
     ]
-    return core_pose.Motion(transforms, (tracker or turns.Tracker()).turns(transforms, told))
+    extent = float(np.linalg.norm(obj.dimensions))
+    moved = turns.only_moved(transforms, rest[:, :3, 3] @ linear.T, extent)
+    by_itself = tuple(
+        h for h, handle in enumerate(handles) if handle.turns_by_itself and moved[h] and told[h] is None
+    )
+    return core_pose.Motion(transforms, (tracker or turns.Tracker()).turns(transforms, told), by_itself)
 
 
 def show(obj, vertices):

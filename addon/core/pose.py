@@ -7,6 +7,7 @@ import numpy as np
 
 from .mirrors import NONE
 from .refused import Refused, first
+from .turns import UNTURNED, nearest_rotations, rotation_vectors
 from .work import Work
 
 # Empties keep their place in single precision: below this part of the mesh's extent a handle stands still.
@@ -73,10 +74,30 @@ def bind_work(vertices, triangles, corners, handles, weights, roi, asked, mirror
 
 
 class Motion(NamedTuple):
-    """Where the handles are: matrices (h, 4, 4), rest -> posed in solve space; turns (h, 3) or None."""
+    """Where the handles are: matrices (h, 4, 4), rest -> posed in solve space; turns (h, 3) or None; the
+    numbers of those that turn by themselves."""
 
     transforms: np.ndarray
     turns: np.ndarray | None = None
+    by_itself: tuple[int, ...] = ()
+
+
+def steady(motions):
+    """The same row of motions, in which a handle turns by itself only if it is never turned as given.
+
+    A handle that rests may stand still or turn by itself, as it does in the other motions.
+    """
+    turned = {h for motion in motions for h in _turned(motion)}
+    return [
+        motion._replace(by_itself=tuple(h for h in motion.by_itself if h not in turned)) for motion in motions
+    ]
+
+
+def _turned(motion):
+    """The handles that a motion turns as given."""
+    vectors = rotation_vectors(nearest_rotations(motion.transforms[:, :3, :3]))
+    told = vectors if motion.turns is None else motion.turns
+    return np.flatnonzero(np.linalg.norm(told, axis=1) > UNTURNED)
 
 
 class BoundPose:
@@ -134,6 +155,8 @@ class BoundPose:
 
     def _jumps(self, motion):
         """True where a handle's turns are others than those the last solve went through."""
+        if motion.by_itself != self._motion.by_itself:
+            return True
         if motion.turns is None and self._motion.turns is None:
             return False
         none = np.zeros((self._handles, 3))
@@ -144,7 +167,8 @@ class BoundPose:
 
     def _arguments(self, motion, options):
         warm = self._warm and not self._jumps(motion)
-        return {"turns": motion.turns, "warm_start": warm, **options}
+        by_itself = list(motion.by_itself)
+        return {"turns": motion.turns, "by_itself": by_itself, "warm_start": warm, **options}
 
     def solve(self, motion, **options):
         """One solve, at once: (n, 3) in solve space and the report; ``options`` of lissom.Pose.solve."""

@@ -117,6 +117,8 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         remove.object = obj.name
         if 0 <= active < len(settings.handles):
             remove.handle = settings.handles[active].name
+        if 0 <= active < len(settings.handles):
+            column.prop(settings.handles[active], "turns_by_itself")
         row = column.row()
         row.enabled = not settings.bound
         row.prop(settings, "use_weights")

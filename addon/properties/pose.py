@@ -11,7 +11,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from .. import rebind
+from .. import live, rebind
 from ..bridge.applied import PROBES
 from ..core.mirrors import SYMMETRIES
 from ..core.pose_options import METHODS, OPTIONS
@@ -83,6 +83,12 @@ def _changed(settings, _):
         rebind.ask(obj)
 
 
+def _turn_changed(handle, _):
+    obj = handle.id_data
+    if obj.lissom_pose.bound:
+        live.mark(obj)
+
+
 # One group a method, so that each keeps its own options while the artist tries another.
 _GROUPS = {
     owner: type(
@@ -111,6 +117,13 @@ class LissomHandle(bpy.types.PropertyGroup):
     name: StringProperty(name="Vertex Group", description="The vertices that this handle moves")
     empty: PointerProperty(
         type=bpy.types.Object, poll=_is_handle, name="Empty", description="The Empty that moves this handle"
+    )
+    turns_by_itself: BoolProperty(
+        name="Turn by Itself",
+        description="While the Empty is only moved, its vertices turn about their centre as suits where they "
+        "go. They turn as the Empty does from when it is rotated on, or where this is off",
+        default=True,
+        update=_turn_changed,
     )
     rest: FloatVectorProperty(
         size=16, description="Matrix of the Empty at Bind, in the object's coordinates, by rows"

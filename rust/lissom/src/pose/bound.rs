@@ -6,7 +6,8 @@ use std::time::Instant;
 use super::goal::{self, Goal};
 use super::handles::{self, Handle};
 use super::images::Images;
-use super::method::{CommonOptions, Method, SolveOptions};
+use super::method::{CommonOptions, Method, Solution, SolveOptions};
+use super::own_turns::OwnTurns;
 use super::region::Region;
 use super::registry::MethodOptions;
 use super::volume::KeptVolume;
@@ -36,6 +37,8 @@ pub struct Report {
 pub struct Posed {
     /// All positions, in the mesh's own units.
     pub vertices: Vec<Vec3>,
+    /// The handles' matrices, those that turned by themselves turned; none of a pose by points.
+    pub transforms: Vec<Mat4>,
     /// What the solve did.
     pub report: Report,
 }
@@ -64,6 +67,7 @@ pub struct Pose {
     region: Region,
     method: Option<Box<dyn Method>>,
     volume: Option<KeptVolume>,
+    own_turns: OwnTurns,
     info: Info,
     warnings: Vec<String>,
 }
@@ -117,7 +121,8 @@ impl Pose {
         }
         info.seconds = begin.elapsed().as_secs_f64();
         job.report(1.0, "ready");
-        Ok(Self { mesh, whole, images, welding, region, method, volume, info, warnings })
+        let own_turns = OwnTurns::of(&whole, welding.handles());
+        Ok(Self { mesh, whole, images, welding, region, method, volume, own_turns, info, warnings })
     }
 
     /// What binding made.
@@ -152,14 +157,18 @@ impl Pose {
     /// about axes of the rest pose. Without, rotations are taken on branches that agree with each other
     /// ([`agree`]).
     ///
+    /// The handles `by_itself` turn about their centres as suits where all handles go, from the turn that they had in
+    /// the last solve on or, in the first one and without `warm_start`, from that of their matrix.
+    ///
     /// # Errors
     ///
-    /// [`Error::InvalidConstraint`] for the wrong number of matrices or vectors and for values that are
-    /// not finite; [`Error::SolveFailed`] on overflow; [`Error::Cancelled`].
+    /// [`Error::InvalidConstraint`] for the wrong number of matrices or vectors, for values that are
+    /// not finite and for numbers that are no handle's; [`Error::SolveFailed`] on overflow; [`Error::Cancelled`].
     pub fn solve(
         &mut self,
         transforms: &[Mat4],
         turns: Option<&[Vec3]>,
+        by_itself: &[u32],
         options: &SolveOptions,
         job: &Job,
     ) -> Result<Posed> {
@@ -175,19 +184,48 @@ impl Pose {
             let broken = turns.iter().enumerate().filter(|(_, r)| !r.is_finite()).map(|(h, _)| h);
             refuse("turns", "not finite", broken)?;
         }
+        options.check()?;
+        let free = self.images.all_of(&self.own_turns.free(by_itself, handles)?);
+        let begin = Instant::now();
+        let frame = self.whole.frame();
         let (leading, turns) = self.images.lead(transforms, turns);
-        let transforms = self.images.transforms(&leading);
+        let mut transforms = self.images.transforms(&leading);
+        let motions = goal::motions(&leading, turns.as_deref(), frame, self.region.is_anchored());
+        let mut motions = self.images.motions(&motions, frame);
+        let mut pivots = Vec::new();
+        if let Some(method) = self.method.as_ref().filter(|_| !free.is_empty()) {
+            let how = (options.warm_start, method.turns_handles());
+            self.own_turns.agree(&self.region, &free, &mut motions, how, job)?;
+            motions = self.images.symmetrise_motions(&motions, self.own_turns.centres(), frame);
+            free.iter().for_each(|&h| transforms[h] = motions[h].matrix(frame));
+            if method.turns_handles() {
+                pivots = self.own_turns.pivots(&free, &motions);
+            }
+        }
+        let (mut targets, mut own) = self.targets(&transforms);
+        let goal = Goal { pivots, ..self.region.goal(&self.whole, &own, motions.clone(), true) };
+        let solution = self.follow(&goal, options, job)?;
+        if let Some(solution) = solution.as_ref().filter(|solution| !solution.turns.is_empty()) {
+            self.own_turns.turn(&goal, &solution.turns, &mut motions);
+            motions = self.images.symmetrise_motions(&motions, self.own_turns.centres(), frame);
+            free.iter().for_each(|&h| transforms[h] = motions[h].matrix(frame));
+            (targets, own) = self.targets(&transforms);
+        }
+        self.own_turns.note(&free, &motions);
+        transforms.truncate(handles);
+        Ok(Posed { transforms, ..self.posed(&targets, &own, solution, begin)? })
+    }
+
+    /// Where matrices take the vertices of all handles, and those that are distinct.
+    fn targets(&self, transforms: &[Mat4]) -> (Vec<Vec3>, Vec<Vec3>) {
         let rest = self.whole.vertices();
-        let mut targets: Vec<Vec3> = (self.welding.handles().iter().zip(&transforms))
+        let handles = self.welding.handles();
+        let mut targets: Vec<Vec3> = (handles.iter().zip(transforms))
             .flat_map(|(handle, m)| handle.vertices.iter().map(|&v| m.transform_point3(rest[v as usize])))
             .collect();
-        self.images.symmetrise_targets(&self.whole, self.welding.handles(), &mut targets);
-        let anchored = self.region.is_anchored();
-        let motions = goal::motions(&leading, turns.as_deref(), self.whole.frame(), anchored);
-        let motions = self.images.motions(&motions, self.whole.frame());
+        self.images.symmetrise_targets(&self.whole, handles, &mut targets);
         let own = self.welding.distinct_targets(&self.whole, &targets);
-        let goal = self.region.goal(&self.whole, &own, motions, true);
-        self.pose(&targets, &own, &goal, options, job)
+        (targets, own)
     }
 
     /// Poses by one target per handle vertex, handles in order, in the mesh's own units.
@@ -212,25 +250,28 @@ impl Pose {
         agree(&mut rotations, self.region.is_anchored());
         motions.iter_mut().zip(rotations).for_each(|(m, rotation)| m.rotation = rotation);
         let motions = self.images.motions(&motions, self.whole.frame());
+        options.check()?;
+        let begin = Instant::now();
         let goal = self.region.goal(&self.whole, &own, motions, false);
-        self.pose(&targets, &own, &goal, options, job)
+        let solution = self.follow(&goal, options, job)?;
+        self.posed(&targets, &own, solution, begin)
+    }
+
+    fn follow(&mut self, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Option<Solution>> {
+        self.method.as_mut().map(|method| method.solve(&self.region, goal, options, job)).transpose()
     }
 
     /// `targets` are those of the handles as given, `own` those of the region's.
-    fn pose(
-        &mut self,
+    fn posed(
+        &self,
         targets: &[Vec3],
         own: &[Vec3],
-        goal: &Goal,
-        options: &SolveOptions,
-        job: &Job,
+        solution: Option<Solution>,
+        begin: Instant,
     ) -> Result<Posed> {
-        options.check()?;
-        let begin = Instant::now();
         let mut report = Report { converged: true, warnings: self.warnings().to_vec(), ..Report::default() };
         let mut vertices = self.whole.vertices().to_vec();
-        if let Some(method) = &mut self.method {
-            let solution = method.solve(&self.region, goal, options, job)?;
+        if let Some(solution) = solution {
             self.region.write_back(&self.whole, &solution.displacements, &mut vertices);
             report.iterations = solution.iterations;
             report.energy = solution.energy;
@@ -262,7 +303,7 @@ impl Pose {
             return Err(Error::SolveFailed(format!("vertex {v} overflows the range of numbers")));
         }
         report.seconds = begin.elapsed().as_secs_f64();
-        Ok(Posed { vertices, report })
+        Ok(Posed { vertices, transforms: Vec::new(), report })
     }
 }
 

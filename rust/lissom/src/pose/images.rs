@@ -78,6 +78,30 @@ impl Images {
         Ok((images, Arc::new(mesh), handles))
     }
 
+    /// All handles that move with some of the given ones, ascending.
+    pub fn all_of(&self, given: &[usize]) -> Vec<usize> {
+        let leaders: BTreeSet<usize> = given.iter().map(|&h| self.images[h].of).collect();
+        (0..self.images.len()).filter(|&h| leaders.contains(&self.images[h].of)).collect()
+    }
+
+    /// Motions of all handles whose turns about their `centres` are as symmetric as the handles: rounding is not.
+    pub fn symmetrise_motions(
+        &self,
+        motions: &[HandleMotion],
+        centres: &[Vec3],
+        frame: UnitFrame,
+    ) -> Vec<HandleMotion> {
+        let mut leading = self.leading(motions);
+        for (motion, h) in leading.iter_mut().zip(self.leaders()) {
+            let about = &self.images[h].about;
+            if !about.is_empty() {
+                let turn = about.iter().fold(motion.rotation, |turn, plane| turn - plane.tangential(turn));
+                *motion = motion.turned_about(centres[h], turn);
+            }
+        }
+        self.motions(&leading, frame)
+    }
+
     /// The handles as given.
     pub fn given(&self) -> &[Handle] {
         &self.given

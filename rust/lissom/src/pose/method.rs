@@ -6,7 +6,7 @@ use super::region::Region;
 use crate::linear::ConstrainedSystem;
 use crate::mesh::Plane;
 use crate::options::{choices, options};
-use crate::{Job, Result, Vec3};
+use crate::{Job, Quat, Result, Vec3};
 
 options! {
     /// How long an iterative method goes on, and from where.
@@ -75,12 +75,14 @@ pub struct Solution {
     pub converged: bool,
     /// The fraction of the energy by which the last iteration lowered it.
     pub residual: f64,
+    /// How far each handle of [`Goal::pivots`] was turned further, in their order.
+    pub turns: Vec<Quat>,
 }
 
 impl Solution {
     /// What a method that does not iterate found.
     pub(crate) fn direct(displacements: Vec<Vec3>) -> Self {
-        Self { displacements, iterations: 1, energy: None, converged: true, residual: 0.0 }
+        Self { displacements, iterations: 1, energy: None, converged: true, residual: 0.0, turns: Vec::new() }
     }
 }
 
@@ -95,4 +97,9 @@ pub trait Method: Send + std::fmt::Debug {
 
     /// What it factored, to solve by.
     fn systems(&self) -> Vec<&ConstrainedSystem>;
+
+    /// Whether turns of handles are among its unknowns, see [`Goal::pivots`].
+    fn turns_handles(&self) -> bool {
+        false
+    }
 }

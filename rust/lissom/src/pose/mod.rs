@@ -15,7 +15,11 @@
 //! | [`poisson`] | the handles' rotations and stretches, blended by smooth weights |
 //! | [`multiresolution`] | how a smoothed base moves, by any other method |
 //! | [`arap`] | the rotations that fit the current shape best, again and again |
+//!
+//! Handles may turn by themselves (`own_turns`): `agree` finds turns that suit all methods, and `lever` makes them
+//! unknowns of `arap`.
 
+mod agree;
 pub mod arap;
 mod bound;
 mod field;
@@ -25,14 +29,17 @@ mod images;
 pub mod laplacian;
 pub mod laplacian_fitted;
 pub mod laplacian_rotated;
+mod lever;
 mod method;
 pub mod multiresolution;
+mod own_turns;
 pub mod poisson;
 mod region;
 mod registry;
 mod responses;
 mod rods;
 pub mod rotation_invariant;
+mod smoothing;
 pub mod thin_shell;
 mod volume;
 mod welding;

@@ -238,7 +238,7 @@ impl Region {
             Some(place) => (targets[*place as usize] - rest[v as usize]) / scale,
             None => Vec3::ZERO,
         });
-        Goal { displacements: displacements.collect(), handles, affine }
+        Goal { displacements: displacements.collect(), handles, affine, pivots: Vec::new() }
     }
 
     pub(super) fn write_back(&self, mesh: &Mesh, displacements: &[Vec3], vertices: &mut [Vec3]) {
