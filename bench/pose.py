@@ -145,6 +145,28 @@ def arap(libigl_iterations):
     }
 
 
+def solid():
+    """nefertiti as a body against its surface alone: binding, and a move while the pose is live."""
+    vertices, faces = model("nefertiti")
+    handles, transforms = bend(vertices)
+    results = {"vertices": len(vertices)}
+    for method in ("arap", "poisson"):
+        bind, poses, move = {}, {}, {}
+        for body in (False, True):
+            bind[body], poses[body] = median_time(
+                lambda m=method, b=body: lissom.Pose(lissom.Mesh(vertices, faces), handles, method=m, solid=b)
+            )
+            poses[body].solve(transforms)
+            move[body] = median_time(lambda p=poses[body]: p.solve(transforms, max_iterations=1), 9)[0]
+        results[method] = {
+            "bind": bind[True],
+            "bind ratio": bind[True] / bind[False],
+            "move": move[True],
+            "move ratio": move[True] / move[False],
+        }
+    return results
+
+
 def laplacian_deform():
     """nefertiti: bind and update, against Blender's Laplacian Deform modifier."""
     import bpy
@@ -304,7 +326,7 @@ def bind_and_solve(vertices, faces, method):
 
 
 def main():
-    parts = ["arap", "laplacian_deform", "table", "million"]
+    parts = ["arap", "solid", "laplacian_deform", "table", "million"]
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("parts", nargs="*", metavar="PART", default=parts)
     parser.add_argument("--libigl-iterations", type=int, default=1000)

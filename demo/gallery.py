@@ -33,6 +33,8 @@ OPTIONS = {"poisson": {"border": 1}}
 VARIANTS = {
     "laplacian_fitted, scale=False": ("laplacian_fitted", {"scale": False}),
     "poisson, border=0": ("poisson", {"border": 0}),
+    "arap, solid=True": ("arap", {"solid": True}),
+    "poisson, solid=True": ("poisson", {"solid": True}),
     "arap, rotation_smoothing=0": ("arap", {"rotation_smoothing": 0.0}),
     "arap, rotation_smoothing=0.01": ("arap", {"rotation_smoothing": 0.01}),
     'rotation_invariant, interpolation="matrix", project=False': (

@@ -17,6 +17,7 @@ sys.path.insert(0, str(ROOT))  # for the extension's package; that of this file 
 
 import arcs  # noqa: E402
 import bpy  # noqa: E402
+import drawing  # noqa: E402
 import face as ict  # noqa: E402
 import inbetween  # noqa: E402
 import lissom  # noqa: E402
@@ -31,7 +32,7 @@ from studio import SAMPLES, Studio, publish  # noqa: E402
 import addon  # noqa: E402
 
 ARCS = ("lid", "jaw", "blink", "twist")
-PICTURES = ("pose", "remeshed", "suzanne", "suzanne_keys", "inbetween", *ARCS)
+PICTURES = ("pose", "remeshed", "suzanne", "suzanne_keys", "inbetween", *ARCS, "drawing")
 
 
 def main(arguments):
@@ -56,6 +57,7 @@ def main(arguments):
     )
     figures["inbetween"] = inbetween.run(face, given, made, studio, pictures["inbetween"])
     figures["arcs"] = arcs.run(face, given, made, studio, pictures)
+    figures["drawing"] = drawing.run(studio, pictures["drawing"])
     figures["picture_seconds"] = studio.seconds
     studio.close()
 

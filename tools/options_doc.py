@@ -32,6 +32,7 @@ KINDS = {
     "curves": "list of (source vertices, target vertices)",
     "mesh": "a Mesh",
     "shapes": "list of (time, (n, 3) positions)",
+    "planes": "list of (point, normal)",
 }
 TYPES = {
     "bool": "bool",
@@ -42,6 +43,7 @@ TYPES = {
     "curves": "Sequence[tuple[ArrayLike, ArrayLike]] | None",
     "mesh": "Mesh | None",
     "shapes": "Sequence[tuple[float, ArrayLike]] | None",
+    "planes": "Sequence[tuple[ArrayLike, ArrayLike]] | None",
 }
 # Class of the types, whose options it holds, and what the call names itself.
 CLASSES = (

@@ -22,7 +22,7 @@ from ..core import inbetween as core_inbetween
 from ..core.easing import EASINGS
 from ..core.inbetween import Asked, path_work
 from ..core.refused import Refused, first
-from . import animation, checks, meshes, shape_keys, sliders
+from . import animation, checks, meshes, mirrors, shape_keys, sliders
 
 SECOND = 100.0  # the evaluation time that an absolute arc takes, in Blender's frames of shape keys
 GAP = 10.0  # between the last key and the first of the arc, as Blender itself spaces them
@@ -72,6 +72,7 @@ class Ends:
         if own:
             raise Refused(f"Through: '{own[0]}' is an end of the arc")
         self.stops = [(time, shape_keys.seen(obj, key)) for key, time in stops]
+        self._mirrors = mirrors.of(obj, self.mesh.linear)
         self._obstacle = obstacle(obj, asked.clearance, self.names) if asked.clearance else None
 
     def path(self, asked):
@@ -79,7 +80,7 @@ class Ends:
         linear = self.mesh.linear
         ends = space.into(linear, self.first), space.into(linear, self.last)
         stops = [(time, space.into(linear, shape)) for time, shape in self.stops]
-        return path_work(self.mesh.geometry(), *ends, asked, self._obstacle, stops)
+        return path_work(self.mesh.geometry(), *ends, asked, self._obstacle, stops, self._mirrors)
 
     def back(self, shapes):
         """Shapes of that path, in the object's coordinates."""
@@ -164,7 +165,7 @@ class Baking:
             if hasattr(arc, one.name):
                 setattr(arc, one.name, getattr(self.asked, one.name))
         arc.name, arc.start, arc.end = self.slider, start.name, end.name
-        warnings = [*sampled.warnings]
+        warnings = [*sampled.warnings, *mirrors.left_out(obj)]
         if rerouted and rerouted != end.name:
             arc.reroute = False  # what the slider has is another key's
             warnings.append(f"The slider keeps the animation that it took over from '{rerouted}'")

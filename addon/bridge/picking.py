@@ -8,7 +8,7 @@ import numpy as np
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
-from ..core.picking import MARK_REACH, RIM_REACH, View, grabbed, near_edges
+from ..core.picking import BESIDE_RIM, MARK_REACH, RIM_REACH, View, grabbed, near_edges
 from ..core.refused import Refused
 from ..core.surface import Point, closest
 from .markers import SIDES, marks_of
@@ -156,7 +156,7 @@ class Stage:
     def _rim_at(self, mouse, scale, exact, under, only):
         if under is not None and exact:
             return None
-        reach = RIM_REACH * scale
+        reach = RIM_REACH * scale * (BESIDE_RIM if under else 1.0)
         for side in [under] if under else self._ends:
             if only not in (None, side):
                 continue

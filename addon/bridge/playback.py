@@ -6,6 +6,7 @@ import os
 import bpy
 
 from ..core import cache
+from ..core.pose import steady
 from ..core.refused import Refused
 from ..core.turns import Tracker
 from . import animation, poses
@@ -15,6 +16,7 @@ def sample(scene, obj, frames):
     """The core.pose.Motion of a bound object at each of these frames, in rising order.
 
     Every frame between them is looked at too: turns that no channel tells are counted from frame to frame.
+    A handle that is turned at one of the frames turns by itself at none.
     """
     tracker, wanted, found = Tracker(), set(frames), []
     with at_its_frame(scene):
@@ -23,7 +25,7 @@ def sample(scene, obj, frames):
             motion = poses.motion(obj, tracker)
             if frame in wanted:
                 found.append(motion)
-    return found
+    return steady(found)
 
 
 @contextlib.contextmanager

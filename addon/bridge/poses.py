@@ -9,7 +9,7 @@ from ..core import space, turns
 from ..core.pose import check_groups
 from ..core.pose_options import Asked, options_of
 from ..core.refused import Refused, first
-from . import empties, groups, meshes, shape_keys
+from . import empties, groups, meshes, mirrors, shape_keys
 
 DEFORMING = {
     "ARMATURE", "CAST", "CLOTH", "CORRECTIVE_SMOOTH", "CURVE", "DISPLACE", "HOOK", "LAPLACIANDEFORM",
@@ -33,6 +33,7 @@ def bind_work(obj, linear, asked):
         [found[name][1] for name in names],
         members.get(settings.roi),
         asked,
+        mirrors.of(obj, linear, asked.symmetry),
     )
 
 
@@ -48,7 +49,7 @@ def asked(settings):
 
 def keep(settings, asked):
     """Writes method and options into the settings of an object, from which the file restores the pose."""
-    for name in ("method", "use_weights", "weld", "stays", "reach"):
+    for name in ("method", "use_weights", "weld", "symmetry", "stays", "reach"):
         setattr(settings, name, getattr(asked, name))
     for owner, name in options_of(asked.method, asked.options.get("base")):
         setattr(getattr(settings.options, owner), name, asked.options[name])
@@ -57,8 +58,8 @@ def keep(settings, asked):
 def current(obj):
     """The bound pose of the object: the one in memory while it holds, else made anew.
 
-    That happens after loading a file, or where rest shape, method or options were changed. New faces need a
-    new Bind (row 26).
+    That happens after loading a file, or where rest shape, mirrors, method or options were changed. New
+    faces need a new Bind (row 26).
     """
     settings = obj.lissom_pose
     if not settings.bound:
@@ -72,7 +73,8 @@ def current(obj):
     known = session.poses.get(obj.session_uid)
     if known is not None:
         rest = space.into(linear, meshes.rest_positions(obj.data))
-        if known.fits(rest, meshes.corners(obj.data), asked(settings)):
+        wanted = asked(settings)
+        if known.fits(rest, meshes.corners(obj.data), wanted, mirrors.of(obj, linear, wanted.symmetry)):
             return known
     made = session.poses[obj.session_uid] = bind_again(obj).wait()
     made.forget()
@@ -128,7 +130,7 @@ def left_out(obj):
     if any(_deforms(modifier) for modifier in obj.modifiers):
         moving = first(repr(modifier.name) for modifier in obj.modifiers if _deforms(modifier))
         said.append(f"The pose starts from the Basis: modifier {moving} moves the mesh, not the Empties")
-    return said
+    return [*said, *mirrors.left_out(obj)]
 
 
 def _deforms(modifier):
@@ -227,7 +229,12 @@ def motion(obj, tracker=None):
         empties.told_turn(obj, handle.empty, handle.rotation_mode, handle.rotation, linear, transform)
         for handle, transform in zip(handles, transforms, strict=True)
     ]
-    return core_pose.Motion(transforms, (tracker or turns.Tracker()).turns(transforms, told))
+    extent = float(np.linalg.norm(obj.dimensions))
+    moved = turns.only_moved(transforms, rest[:, :3, 3] @ linear.T, extent)
+    by_itself = tuple(
+        h for h, handle in enumerate(handles) if handle.turns_by_itself and moved[h] and told[h] is None
+    )
+    return core_pose.Motion(transforms, (tracker or turns.Tracker()).turns(transforms, told), by_itself)
 
 
 def show(obj, vertices):

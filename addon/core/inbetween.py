@@ -6,7 +6,7 @@ from itertools import pairwise
 import lissom
 import numpy as np
 
-from . import hat
+from . import hat, mirrors
 from .refused import Refused
 from .work import Work
 
@@ -76,15 +76,15 @@ class Sampled:
     warnings: list
 
 
-def path_work(mesh, start, end, asked, obstacle=None, through=()):
+def path_work(mesh, start, end, asked, obstacle=None, through=(), mirrors=mirrors.NONE):
     """Work whose result is Sampled; ``mesh``: vertices, triangles; ``start`` and ``end``: (n, 3).
 
     ``through``: [(time, (n, 3))]. ``obstacle``: what the path keeps out of, as vertices at the start,
-    triangles, vertices at the end.
+    triangles, vertices at the end. ``mirrors``: those of the object.
     """
 
     def steps():
-        options = asked.options | {"through": list(through)}
+        options = asked.options | {"through": list(through)} | mirrors.half(start)
         if obstacle is not None:
             vertices, triangles, last = obstacle
             options |= {"clearance": lissom.Mesh(vertices, triangles)}

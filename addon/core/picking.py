@@ -7,7 +7,8 @@ import numpy as np
 
 from .surface import Point
 
-MARK_REACH, RIM_REACH = 12, 8  # pixels: so near to a mark or a rim the mouse is on it
+MARK_REACH, RIM_REACH = 12, 8  # pixels: so near to a mark or a rim the mouse is on it, ...
+BESIDE_RIM = 0.5  # ... to a rim by this part of it where the mouse is on the surface
 
 
 class Mark(NamedTuple):

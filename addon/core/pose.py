@@ -6,7 +6,9 @@ import lissom
 import numpy as np
 
 from . import stays
+from .mirrors import NONE
 from .refused import Refused, first
+from .turns import UNTURNED, nearest_rotations, rotation_vectors
 from .work import Work
 
 # Empties keep their place in single precision: below this part of the mesh's extent a handle stands still.
@@ -49,11 +51,12 @@ def check_groups(groups, handles, roi):
                 )
 
 
-def bind_work(vertices, triangles, corners, handles, weights, roi, asked):
+def bind_work(vertices, triangles, corners, handles, weights, roi, asked, mirrors=NONE):
     """Work whose result is the BoundPose of a mesh.
 
     ``vertices`` (n, 3) in solve space, ``corners`` (c,) the vertices of the faces in turn; ``handles`` and
     ``weights`` are lists of arrays (k,), ``roi`` one of indices or None, ``asked`` a pose_options.Asked.
+    ``mirrors`` are those of the object.
     """
 
     def steps():
@@ -69,28 +72,50 @@ def bind_work(vertices, triangles, corners, handles, weights, roi, asked):
             method=asked.method,
             handle_weights=weights if asked.use_weights else None,
             **asked.options,
+            **mirrors.pose(vertices),
         )
-        return BoundPose(pose, vertices, corners, len(handles), known)
+        return BoundPose(pose, vertices, corners, len(handles), known, mirrors)
 
     return Work(steps())
 
 
 class Motion(NamedTuple):
-    """Where the handles are: matrices (h, 4, 4), rest -> posed in solve space; turns (h, 3) or None."""
+    """Where the handles are: matrices (h, 4, 4), rest -> posed in solve space; turns (h, 3) or None; the
+    numbers of those that turn by themselves."""
 
     transforms: np.ndarray
     turns: np.ndarray | None = None
+    by_itself: tuple[int, ...] = ()
+
+
+def steady(motions):
+    """The same row of motions, in which a handle turns by itself only if it is never turned as given.
+
+    A handle that rests may stand still or turn by itself, as it does in the other motions.
+    """
+    turned = {h for motion in motions for h in _turned(motion)}
+    return [
+        motion._replace(by_itself=tuple(h for h in motion.by_itself if h not in turned)) for motion in motions
+    ]
+
+
+def _turned(motion):
+    """The handles that a motion turns as given."""
+    vectors = rotation_vectors(nearest_rotations(motion.transforms[:, :3, :3]))
+    told = vectors if motion.turns is None else motion.turns
+    return np.flatnonzero(np.linalg.norm(told, axis=1) > UNTURNED)
 
 
 class BoundPose:
     """The native pose of one bound mesh, with what it was made from, to tell whether it still holds."""
 
-    def __init__(self, pose, vertices, corners, handles, asked):
+    def __init__(self, pose, vertices, corners, handles, asked, mirrors):
         """``pose`` is a lissom.Pose of so many ``handles``; the rest as ``bind_work`` has it."""
         self.pose = pose
         self.vertices = vertices
         self.corners = corners
         self.asked = asked
+        self.mirrors = mirrors
         self.warnings = pose.warnings
         self.extent = np.linalg.norm(np.ptp(vertices, axis=0))
         self._handles = handles
@@ -114,10 +139,11 @@ class BoundPose:
             return np.zeros(self._handles, dtype=bool)
         return np.linalg.norm(self._motion.turns, axis=1) > np.pi
 
-    def fits(self, vertices, corners, asked):
-        """True while mesh, method and options are the ones this pose was made for."""
+    def fits(self, vertices, corners, asked, mirrors):
+        """True while mesh, mirrors, method and options are the ones this pose was made for."""
         return (
             asked == self.asked
+            and mirrors == self.mirrors
             and np.array_equal(corners, self.corners)
             and np.array_equal(vertices, self.vertices)
         )
@@ -135,6 +161,8 @@ class BoundPose:
 
     def _jumps(self, motion):
         """True where a handle's turns are others than those the last solve went through."""
+        if motion.by_itself != self._motion.by_itself:
+            return True
         if motion.turns is None and self._motion.turns is None:
             return False
         none = np.zeros((self._handles, 3))
@@ -145,7 +173,8 @@ class BoundPose:
 
     def _arguments(self, motion, options):
         warm = self._warm and not self._jumps(motion)
-        return {"turns": motion.turns, "warm_start": warm, **options}
+        by_itself = list(motion.by_itself)
+        return {"turns": motion.turns, "by_itself": by_itself, "warm_start": warm, **options}
 
     def solve(self, motion, **options):
         """One solve, at once: (n, 3) in solve space and the report; ``options`` of lissom.Pose.solve."""

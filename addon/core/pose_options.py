@@ -50,7 +50,7 @@ _LABELS = {
         "k_b": {"label": "Bending", **_STIFF},
         "border": {"label": "Border Order"},
     },
-    "poisson": {"border": {"label": "Border Order"}},
+    "poisson": {"border": {"label": "Border Order"}, "solid": {"label": "Solid"}},
     "multiresolution": {
         "smoothing": {"label": "Detail Size", "high": 10.0, "soft_high": 1.0},
         "details": {"label": "Details", "labels": {"gradients": "Turned", "offsets": "Offset"}},
@@ -63,6 +63,7 @@ _LABELS = {
         },
         "rotation_smoothing": {"label": "Smooth Rotations", "high": 1e4, "soft_high": 1.0},
         "smoothness": {"label": "Smoothness", "high": 0.999},
+        "solid": {"label": "Solid"},
     },
     "laplacian_rotated": {
         "weights": _WEIGHTS,
@@ -97,6 +98,7 @@ class Asked(NamedTuple):
     weld: bool
     stays: str
     reach: float
+    symmetry: str
 
     @classmethod
     def of(cls, settings, base, value):
@@ -107,7 +109,13 @@ class Asked(NamedTuple):
         options = {}
         for owner, name in options_of(settings.method, base):
             options[name] = _decimal(value(owner, name))
-        own = (settings.use_weights, settings.weld, settings.stays, _decimal(settings.reach))
+        own = (
+            settings.use_weights,
+            settings.weld,
+            settings.stays,
+            _decimal(settings.reach),
+            settings.symmetry,
+        )
         return cls(settings.method, options, *own)
 
 

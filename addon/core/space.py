@@ -15,6 +15,9 @@ SINGULAR = 1e-6
 # What single precision leaves of a motion that is none, as a part of the lengths that it came from.
 STILL = 1e-6
 
+# Between an axis and the normal of the plane across it the cosine is nearer to 1 where nothing is sheared.
+SHEARED = 1e-5
+
 LARGEST = float(np.finfo(np.float32).max)
 
 
@@ -33,6 +36,21 @@ def linear_part(matrix_world, name):
             f"The scale of object '{name}' is zero along an axis: set it to another value, then run again"
         )
     return linear
+
+
+def mirror_normal(linear, axis, name):
+    """(3,) as a tuple: the normal in solve space of the plane across an axis of the object.
+
+    Refused where the object is sheared, so that its mirror image is none in the scene.
+    """
+    along = linear[:, axis] / np.linalg.norm(linear[:, axis])
+    normal = np.linalg.inv(linear)[axis]
+    normal = normal / np.abs(normal).max()
+    if abs(along @ normal) < (1 - SHEARED) * np.linalg.norm(normal):
+        raise Refused(
+            f"'{name}' is sheared by its parents, so that it has no mirror: apply its scale, then run again"
+        )
+    return tuple(float(number) for number in normal)
 
 
 def into(linear, positions):

@@ -15,6 +15,10 @@ ASIDE = np.pi / 2
 # A rotation vector and what it was lifted to are the same story up to this angle.
 NEAR = np.pi / 2
 
+# Less, of the object's size or in radians, is what single precision makes of an Empty that nobody touched.
+MOVED = 1e-4
+UNTURNED = 1e-4
+
 # Channels tell the turns of an Empty where they explain its rotation to within this angle: not where a
 # constraint or another parent turns it.
 EXPLAINED = 0.05
@@ -47,6 +51,17 @@ def nearest_rotations(linear):
     u, _, vt = np.linalg.svd(linear)
     u[..., 2] *= np.sign(np.linalg.det(u @ vt))[..., None]
     return u @ vt
+
+
+def only_moved(transforms, origins, extent):
+    """(h,) bool: the handles that were moved and not turned since Bind.
+
+    ``transforms`` (h, 4, 4) lead from rest to posed in solve space, ``origins`` (h, 3) are where the Empties
+    stood, ``extent`` is the size of the object.
+    """
+    moves = np.einsum("hij,hj->hi", transforms[:, :3, :3], origins) + transforms[:, :3, 3] - origins
+    turned = np.linalg.norm(rotation_vectors(nearest_rotations(transforms[:, :3, :3])), axis=1)
+    return (np.linalg.norm(moves, axis=1) > MOVED * extent) & (turned < UNTURNED)
 
 
 def along(path):

@@ -14,6 +14,7 @@ from ..properties.pose import (
     METHOD_ITEMS,
     reach_property,
     stays_property,
+    symmetry_property,
     use_weights_property,
     weld_property,
 )
@@ -51,6 +52,7 @@ class _Options:
         column.prop(self, "weld")
         column.prop(self, "stays")
         column.prop(self, "reach")
+        column.prop(self, "symmetry")
 
 
 class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
@@ -71,6 +73,7 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
     weld: weld_property(options={"SKIP_SAVE"})
     stays: stays_property(options={"SKIP_SAVE"})
     reach: reach_property(options={"SKIP_SAVE"})
+    symmetry: symmetry_property(options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):

@@ -101,7 +101,10 @@ class LISSOM_OT_marker_add(bpy.types.Operator):
                 f"{counts[0]} vertices are selected on each mesh: select one on each, or go to Edit Mode"
             )
         known, warnings = bridge_markers.current(context.scene, source, target)
-        added = [markers.Marker(self.name, *pair) for pair in zip(*sides, strict=True)]
+        added = []
+        for pair in zip(*sides, strict=True):
+            name = self.name or markers.new_name([*known, *added])
+            added.append(markers.Marker(name, *pair))
         markers.check(known + added, len(source.data.vertices), len(target.data.vertices))
         bridge_markers.append(context.scene, added, source, target)
         for warning in warnings:

@@ -47,7 +47,7 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
         for obj in ends:
             if obj.mode != "OBJECT":
                 raise Refused(f"'{obj.name}' is in {obj.mode.lower()} mode: go to Object Mode first")
-            if not obj.visible_get():
+            if obj.hide_get() or obj.hide_viewport:  # a view may show one of them alone
                 raise Refused(f"'{obj.name}' is hidden: show it first")
         known, warnings = bridge_markers.current(context.scene, *ends)
         markers.check(known, *(len(obj.data.vertices) for obj in ends))

@@ -117,6 +117,8 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         remove.object = obj.name
         if 0 <= active < len(settings.handles):
             remove.handle = settings.handles[active].name
+        if 0 <= active < len(settings.handles):
+            column.prop(settings.handles[active], "turns_by_itself")
         row = column.row()
         row.enabled = not settings.bound
         row.prop(settings, "use_weights")
@@ -130,6 +132,7 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         column = split_column(layout)
         column.prop(settings, "method")
         draw_lines(column, "NONE", METHOD_LINES[settings.method])
+        column.prop(settings, "symmetry")
         header, body = layout.panel("LISSOM_pose_options", default_closed=True)
         header.label(text="Options")
         if body:

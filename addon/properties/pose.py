@@ -12,8 +12,9 @@ from bpy.props import (
     StringProperty,
 )
 
-from .. import rebind
+from .. import live, rebind
 from ..bridge.applied import PROBES
+from ..core.mirrors import SYMMETRIES
 from ..core.pose_options import METHODS, OPTIONS
 from ..core.stays import STAYS
 from .options import option_property
@@ -91,10 +92,28 @@ def reach_property(**also):
     )
 
 
+def symmetry_property(**also):
+    """Across which axis of the object one side follows the other."""
+    return EnumProperty(
+        name="Symmetry",
+        description="One side of a symmetric mesh follows the handles of the other; "
+        "handles in the middle stay in the middle",
+        items=[(*item, number) for number, item in enumerate(SYMMETRIES)],
+        default="OFF",
+        **also,
+    )
+
+
 def _changed(settings, _):
     obj = settings.id_data
     if obj.lissom_pose.bound:
         rebind.ask(obj)
+
+
+def _turn_changed(handle, _):
+    obj = handle.id_data
+    if obj.lissom_pose.bound:
+        live.mark(obj)
 
 
 # One group a method, so that each keeps its own options while the artist tries another.
@@ -125,6 +144,13 @@ class LissomHandle(bpy.types.PropertyGroup):
     name: StringProperty(name="Vertex Group", description="The vertices that this handle moves")
     empty: PointerProperty(
         type=bpy.types.Object, poll=_is_handle, name="Empty", description="The Empty that moves this handle"
+    )
+    turns_by_itself: BoolProperty(
+        name="Turn by Itself",
+        description="While the Empty is only moved, its vertices turn about their centre as suits where they "
+        "go. They turn as the Empty does from when it is rotated on, or where this is off",
+        default=True,
+        update=_turn_changed,
     )
     rest: FloatVectorProperty(
         size=16, description="Matrix of the Empty at Bind, in the object's coordinates, by rows"
@@ -162,6 +188,7 @@ class LissomPose(bpy.types.PropertyGroup):
     weld: weld_property(update=_changed)
     stays: stays_property(update=_changed)
     reach: reach_property(update=_changed)
+    symmetry: symmetry_property(update=_changed)
     live: BoolProperty(
         name="Live",
         description="Let the mesh follow while an Empty moves. Off: it follows when Update is pressed",

@@ -111,7 +111,11 @@ class Pose:
     @property
     def warnings(self) -> list[str]: ...
     def start_solve(
-        self, transforms: ArrayLike, turns: ArrayLike | None, options: _Options
+        self,
+        transforms: ArrayLike,
+        turns: ArrayLike | None,
+        by_itself: ArrayLike | None,
+        options: _Options,
     ) -> Job[tuple[Any, ...]]: ...
     def start_solve_points(self, targets: ArrayLike, options: _Options) -> Job[tuple[Any, ...]]: ...
 

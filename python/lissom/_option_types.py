@@ -19,6 +19,14 @@ class PoseOptions(TypedDict, total=False):
     """Closed components keep the volume that they have at rest."""
     unheld: Literal["follow", "rest"]
     """What parts without a handle do, such as eyes, teeth and buttons."""
+    mirror: Sequence[tuple[ArrayLike, ArrayLike]] | None
+    """Planes, each (point, normal), that complete a half mesh by its mirror image, with the same handles:
+    vertices on them stay on them."""
+    symmetry: Sequence[tuple[ArrayLike, ArrayLike]] | None
+    """Planes, each (point, normal), that a whole mesh is symmetric about: every handle's mirror image moves
+    as its mirror image. Where both are handles, the one on the normal's side leads."""
+    mirror_tolerance: float
+    """How far a vertex may be from where a mirror image has it to be that."""
     weights: Literal["cotangent", "uniform"]
     """How much each neighbour of a vertex counts."""
     scale: bool
@@ -36,6 +44,9 @@ class PoseOptions(TypedDict, total=False):
     border: int
     """How smoothly the pose joins the handles and the border of the region: 0 in value, 1 in slope too, 2 in
     curvature too."""
+    solid: bool
+    """Closed parts keep their thickness when they bend and twist, as a body does and a hollow shell does
+    not."""
     smoothing: float
     """Bumps narrower than this are details, and follow the base."""
     details: Literal["gradients", "offsets"]
@@ -139,6 +150,11 @@ class PathOptions(TypedDict, total=False):
     deeper of its ends."""
     clearance_end: ArrayLike | None
     """Where the vertices of that mesh are at the end, if they move."""
+    mirror: Sequence[tuple[ArrayLike, ArrayLike]] | None
+    """Planes, each (point, normal), that complete half shapes by their mirror image: vertices on them in all
+    shapes stay on them."""
+    mirror_tolerance: float
+    """How far a vertex may be from its mirror image to be on the plane."""
 
 
 class BlendOptions(TypedDict, total=False):

@@ -55,6 +55,9 @@ class Posed:
 
     vertices: NDArray[np.float64]
     """(n, 3) positions in the mesh's own units."""
+    transforms: NDArray[np.float64]
+    """(h, 4, 4) the handles' matrices, of those that turn by themselves with the turn found; (0, 4, 4) of a
+    pose by points."""
     report: PoseReport
     """What the solve did."""
 
@@ -109,25 +112,41 @@ class Pose:
         return self._core.warnings
 
     def start_solve(
-        self, transforms: ArrayLike, *, turns: ArrayLike | None = None, **options: Unpack[SolveOptions]
+        self,
+        transforms: ArrayLike,
+        *,
+        turns: ArrayLike | None = None,
+        by_itself: ArrayLike | None = None,
+        **options: Unpack[SolveOptions],
     ) -> Job[Posed]:
         """:meth:`solve` in the background."""
-        return self._core.start_solve(transforms, turns, options)._then(_posed)
+        return self._core.start_solve(transforms, turns, by_itself, options)._then(_posed)
 
     def solve(
-        self, transforms: ArrayLike, *, turns: ArrayLike | None = None, **options: Unpack[SolveOptions]
+        self,
+        transforms: ArrayLike,
+        *,
+        turns: ArrayLike | None = None,
+        by_itself: ArrayLike | None = None,
+        **options: Unpack[SolveOptions],
     ) -> Posed:
         """Poses by one affine matrix per handle.
 
         transforms: (h, 4, 4), rest to posed in the mesh's own units, acting on column vectors.
         turns: (h, 3) rotation vectors (axis times angle, radians) that say by how many whole turns each
             handle rotates; a matrix alone says at most half a turn.
-        options: those of ``lissom.options("pose.solve")``, for iterative methods.
+        by_itself: numbers of the handles that are moved and not turned: each turns about the mean of its
+            vertices as suits where all handles go, for "arap" by the least energy, else so that the turns,
+            spread over the surface, lead there (thesis of S. Zhou 2008, 3.4.2). The search goes on from the
+            last solve's turn; in the first one, and without ``warm_start``, from that of the matrix.
+            ``Posed.transforms`` tells what was found. All others turn as given.
+        options: those of ``lissom.options("pose.solve")``; all but ``warm_start`` for iterative methods.
 
-        Raises InvalidConstraint for a wrong number of matrices, for ones that are not affine and for values
-        that are not finite; InvalidValue for an option out of range; SolveFailed on overflow; Cancelled.
+        Raises InvalidConstraint for a wrong number of matrices, for ones that are not affine, for values that
+        are not finite and for numbers that are no handle's; InvalidValue for an option out of range;
+        SolveFailed on overflow; OutOfMemory; Cancelled.
         """
-        return self.start_solve(transforms, turns=turns, **options).result()
+        return self.start_solve(transforms, turns=turns, by_itself=by_itself, **options).result()
 
     def start_solve_points(self, targets: ArrayLike, **options: Unpack[SolveOptions]) -> Job[Posed]:
         """:meth:`solve_points` in the background."""
@@ -164,5 +183,5 @@ def _pose(native: _native.Pose) -> Pose:
 
 
 def _posed(result: tuple[Any, ...]) -> Posed:
-    vertices, report = result
-    return Posed(vertices, PoseReport(**report))
+    vertices, transforms, report = result
+    return Posed(vertices, transforms, PoseReport(**report))

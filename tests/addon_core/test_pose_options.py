@@ -9,6 +9,7 @@ import shapes
 from lissom_addon_core.pose_options import METHODS, OPTIONS, Asked, by_name, options_of
 from numpy.testing import assert_array_equal
 
+OF_THE_OBJECT = ("mirror", "symmetry", "mirror_tolerance")  # not the artist's numbers: planes of the scene
 BASES = [name for name, _, _ in METHODS if name != "multiresolution"]
 CASES = [(name, "poisson") for name in BASES] + [("multiresolution", base) for base in BASES]
 VERTICES, TRIANGLES = shapes.prism(rows=20, columns=12)
@@ -45,7 +46,7 @@ def test_the_methods_are_those_of_the_core_in_its_order():
 def test_every_option_of_the_core_has_a_label():
     for owner, options in OPTIONS.items():
         known = lissom.options("pose" if owner == "common" else f"pose.{owner}")
-        assert set(options) == {option.name for option in known} - {"method"}
+        assert set(options) == {option.name for option in known} - {"method", *OF_THE_OBJECT}
         for option in known:
             if option.choices and option.name != "method":
                 items = options[option.name].items
@@ -128,7 +129,9 @@ def test_options_of_one_name_differ_in_nothing_but_their_default():
 
 def test_what_single_precision_has_kept_is_the_decimal_that_was_meant():
     single = float(np.float32(0.2))
-    settings = SimpleNamespace(method="laplacian", use_weights=False, weld=False, stays="FAR", reach=single)
+    settings = SimpleNamespace(
+        method="laplacian", use_weights=False, weld=False, stays="FAR", reach=single, symmetry="OFF"
+    )
     asked = Asked.of(settings, "", lambda owner, name: single)
     names = {name for _, name in options_of("laplacian", "")}
     assert asked.options == dict.fromkeys(names, 0.2)

@@ -63,13 +63,15 @@ def group(obj, name, where):
     return np.array(members)
 
 
-def bound_tube(**options):
-    """A tube with a handle at either end, bound."""
+def bound_tube(by_itself=False, **options):
+    """A tube with a handle at either end, bound; ``by_itself`` turns those that are only moved."""
     obj = tube(**options)
     group(obj, "bottom", lambda co: co.z < -2.5)
     group(obj, "top", lambda co: co.z > 2.5)
     for name in ("bottom", "top"):
         bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group=name)
+    for handle in obj.lissom_pose.handles:
+        handle.turns_by_itself = by_itself
     bpy.ops.lissom.pose_bind(object=obj.name)
     return obj
 

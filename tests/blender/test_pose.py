@@ -303,6 +303,7 @@ def test_only_the_region_moves():
     scene.group(obj, "top", lambda co: co.z > 2.5)
     bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="top")
     obj.lissom_pose.roi = "region"
+    obj.lissom_pose.handles["top"].turns_by_itself = False
     bpy.ops.lissom.pose_bind(object=obj.name)
     scene.empty(obj, "top").location.x += 1
     bpy.context.view_layer.update()

@@ -141,7 +141,9 @@ def test_options_are_checked():
         bound(vertices, faces, ends(vertices), border=3)
     with pytest.raises(lissom.InvalidValue, match="border: must not be negative, got -1"):
         bound(vertices, faces, ends(vertices), border=-1)
-    with pytest.raises(TypeError, match="'poisson' has no option base; it has border, constraints, weight"):
+    with pytest.raises(
+        TypeError, match="'poisson' has no option base; it has border, solid, constraints, weight"
+    ):
         bound(vertices, faces, ends(vertices), base="arap")
 
 

@@ -1,5 +1,6 @@
 //! Array checks, in one place: every message names the argument.
 
+use lissom::mesh::Plane;
 use lissom::{Error, Fault, Mat4, Vec3};
 use numpy::{PyArray, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -197,6 +198,17 @@ pub fn timed_shapes(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<(f64, 
         Ok((time, points(&format!("{name}[{k}]"), &shape)?))
     };
     value.try_iter().map_err(|_| expected())?.enumerate().map(shape).collect()
+}
+
+/// (k, 2, 3): planes, each a point and a normal.
+pub fn planes(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Plane>> {
+    let planes = poses(name, value, 2)?;
+    let made: Vec<Option<Plane>> = planes.iter().map(|plane| Plane::new(plane[0], plane[1])).collect();
+    let bad = made.iter().enumerate().filter(|(_, plane)| plane.is_none()).map(|(i, _)| i);
+    match Fault::at(name, "not a finite point and a normal other than zero", bad) {
+        Some(fault) => Err(errors::to_python(Error::InvalidValue(fault))),
+        None => Ok(made.into_iter().flatten().collect()),
+    }
 }
 
 /// Refuses a sequence of another length.

@@ -110,6 +110,7 @@ fn value(spec: &Spec, given: &Bound<'_, PyAny>) -> PyResult<Option<Value>> {
             Value::Mesh(given.cast::<PyMesh>().map_err(|_| expected())?.get().0.clone())
         }
         Kind::Shapes => Value::Shapes(arrays::timed_shapes(name, given)?),
+        Kind::Planes => Value::Planes(arrays::planes(name, given)?),
     }))
 }
 

@@ -64,11 +64,13 @@ fn solve_options(given: &Bound<'_, PyDict>) -> PyResult<SolveOptions> {
     Ok(solve)
 }
 
-/// (vertices, report)
+/// (vertices, transforms, report)
 fn posed(py: Python<'_>, posed: Posed) -> PyResult<Py<PyAny>> {
     let vertices = arrays::from_points(py, &posed.vertices)?;
+    let rows = posed.transforms.iter().flat_map(|m| m.transpose().to_cols_array()).collect();
+    let transforms = arrays::from_channels(py, rows, &[posed.transforms.len(), 4, 4])?;
     let report = fields!(py, posed.report; iterations, energy, converged, seconds, warnings);
-    Ok((vertices, report).into_pyobject(py)?.into_any().unbind())
+    Ok((vertices, transforms, report).into_pyobject(py)?.into_any().unbind())
 }
 
 #[pymethods]
@@ -77,15 +79,18 @@ impl PyPose {
         &self,
         transforms: &Bound<'_, PyAny>,
         turns: Option<&Bound<'_, PyAny>>,
+        by_itself: Option<&Bound<'_, PyAny>>,
         options: &Bound<'_, PyDict>,
     ) -> PyResult<PyJob> {
         let options = solve_options(options)?;
         let transforms = arrays::matrices("transforms", transforms)?;
         let turns: Option<Vec<Vec3>> = turns.map(|turns| arrays::points("turns", turns)).transpose()?;
+        let by_itself = by_itself.map(|handles| arrays::vertex_list("by_itself", handles)).transpose()?;
+        let by_itself = by_itself.unwrap_or_default();
         let pose = self.pose.clone();
         let work = move |job: &_| {
             let mut pose = pose.lock().unwrap_or_else(PoisonError::into_inner);
-            pose.solve(&transforms, turns.as_deref(), &options, job)
+            pose.solve(&transforms, turns.as_deref(), &by_itself, &options, job)
         };
         PyJob::start(work, posed)
     }

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use crate::mesh::Plane;
 use crate::{Error, Fault, Mesh, Result, Vec3};
 
 /// What an option takes.
@@ -28,6 +29,8 @@ pub enum Kind {
     Mesh,
     /// Shapes of a mesh, each at a time.
     Shapes,
+    /// Planes, each by a point and a normal.
+    Planes,
 }
 
 impl Kind {
@@ -43,6 +46,7 @@ impl Kind {
             Self::Curves => "curves",
             Self::Mesh => "mesh",
             Self::Shapes => "shapes",
+            Self::Planes => "planes",
         }
     }
 }
@@ -68,6 +72,8 @@ pub enum Value {
     Mesh(Arc<Mesh>),
     /// [`Kind::Shapes`]
     Shapes(Vec<(f64, Vec<Vec3>)>),
+    /// [`Kind::Planes`]
+    Planes(Vec<Plane>),
 }
 
 /// A name that an option may be given, and what it means.
@@ -278,6 +284,7 @@ field!(Option<Vec<Vec3>>, Points, given => Some(Some(given)),);
 field!(Vec<[Vec<u32>; 2]>, Curves, given => Some(given),);
 field!(Option<Arc<Mesh>>, Mesh, given => Some(Some(given)),);
 field!(Vec<(f64, Vec<Vec3>)>, Shapes, given => Some(given),);
+field!(Vec<Plane>, Planes, given => Some(given),);
 
 /// Options that can be told and asked by name.
 pub trait OptionSet {

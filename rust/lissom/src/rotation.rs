@@ -11,7 +11,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::matrix::norm_squared;
+use crate::matrix::{cross, norm_squared};
 use crate::{Mat3, Vec3};
 
 /// Smallest `(s1 + s2) (s1 + s3) (s2 + s3) / |M|^3` for which the derivative of the root is used; its largest
@@ -137,6 +137,20 @@ pub fn exp(omega: Vec3) -> Mat3 {
     Mat3::from_quat(glam::DQuat::from_scaled_axis(omega))
 }
 
+/// `J` of `exp(omega + d) = exp(J d) exp(omega)` to first order (Bullo & Murray 1995, Proportional Derivative Control
+/// on the Euclidean Group).
+pub fn left_jacobian(omega: Vec3) -> Mat3 {
+    let (angle, w) = (omega.length(), cross(omega));
+    // Below, the series; its next terms are 1e-14.
+    let (a, b) = if angle < 1e-3 {
+        (0.5 - angle * angle / 24.0, 1.0 / 6.0 - angle * angle / 120.0)
+    } else {
+        let square = angle * angle;
+        (2.0 * (0.5 * angle).sin().powi(2) / square, (angle - angle.sin()) / (square * angle))
+    };
+    Mat3::IDENTITY + w * a + w * w * b
+}
+
 /// Among the rotation vectors that give the same rotation as `omega`, the one nearest to
 /// `reference`: `omega + 2 pi k omega / |omega|`.
 pub fn nearest_branch(omega: Vec3, reference: Vec3) -> Vec3 {
@@ -193,6 +207,18 @@ mod tests {
         assert_eq!(nearest_rotation(Mat3::ZERO), Mat3::IDENTITY);
         assert_eq!(nearest_rotation(Mat3::IDENTITY * f64::NAN), Mat3::IDENTITY);
         assert!(distance(nearest_rotation(Mat3::IDENTITY * 1e-300), Mat3::IDENTITY) < 1e-12);
+    }
+
+    #[test]
+    fn the_left_jacobian_is_the_derivative_of_the_exponential() {
+        let axis = Vec3::new(2.0, -1.0, 2.0) / 3.0;
+        for angle in [0.0, 5e-4, 2e-3, 1.0, 3.0, 7.0] {
+            for d in Vec3::AXES {
+                let (omega, h) = (axis * angle, 1e-5);
+                let difference = (exp(omega + d * h) - exp(omega - d * h)) * (0.5 / h);
+                assert!(distance(difference, cross(left_jacobian(omega) * d) * exp(omega)) < 1e-9);
+            }
+        }
     }
 
     #[test]

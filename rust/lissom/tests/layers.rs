@@ -11,7 +11,7 @@ const LAYERS: [&[&str]; 8] = [
     &["rotation"],
     &["job", "memory", "geometry"],
     &["mesh", "linear"],
-    &["options"],
+    &["options", "symmetry"],
     &["operators", "riding"],
     &["stitch"],
     &["pose", "transfer", "inbetween", "image"],

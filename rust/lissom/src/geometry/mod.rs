@@ -7,11 +7,13 @@
 //! | [`rows`], [`groups`] | items sorted by row; what hangs together |
 //! | [`rigid`] | rigid and similarity maps between point sets |
 //! | [`polyline`] | paths and loops by arc length |
+//! | [`plane`] | mirror images and twins |
 //! | [`surface`] | closest points, barycentric coordinates |
 //! | [`solid`] | inside and outside |
 
 pub mod frame;
 pub mod groups;
+pub mod plane;
 pub mod polyline;
 pub mod rigid;
 pub mod rows;

@@ -11,6 +11,9 @@ use parry3d_f64::shape::{Triangle, TrianglePointLocation};
 use crate::Vec3;
 use crate::geometry::triangle::normal_and_area;
 
+/// A ray that misses a triangle by less than this part of it hits it.
+const SLIT: f64 = 1e-9;
+
 /// Triangles in a bounding volume hierarchy.
 pub struct Surface {
     tree: Bvh,
@@ -110,6 +113,27 @@ impl Surface {
         self.nearest(point, reach, |t| (accept(t) && self.compatible(t, normal)).then(|| self.centroid(t)))
     }
 
+    /// Where a ray of unit `direction` first leaves through an accepted triangle, and the barycentric coordinates there.
+    /// No ray slips through between two triangles.
+    pub fn exit(&self, origin: Vec3, direction: Vec3, accept: impl Fn(usize) -> bool) -> Option<(Hit, Vec3)> {
+        let inverse = direction.recip();
+        let to_box = |node: &BvhNode, _| {
+            let pad = Vec3::splat(SLIT * node.mins().distance(node.maxs()));
+            let (a, b) = ((node.mins() - pad - origin) * inverse, (node.maxs() + pad - origin) * inverse);
+            // A ray along a face of the box gives 0 times infinity, which `min` and `max` pass over.
+            let (near, far) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
+            if near <= far { near } else { f64::MAX }
+        };
+        let to_triangle = |t: u32, _| {
+            let leaves = self.normals[t as usize].dot(direction) > 0.0 && accept(t as usize);
+            leaves.then(|| crossing(self.corners[t as usize], origin, direction))?
+        };
+        let (t, (distance, weights)) = self.tree.find_best(f64::INFINITY, to_box, to_triangle)?;
+        let [a, b, c] = self.corners[t as usize];
+        let point = a * weights.x + b * weights.y + c * weights.z;
+        Some((Hit { triangle: t as usize, point, distance }, weights))
+    }
+
     fn compatible(&self, triangle: usize, normal: Vec3) -> bool {
         self.normals[triangle].dot(normal) > 0.0
     }
@@ -131,6 +155,20 @@ impl Surface {
         let (t, (squared, found)) = self.tree.find_best(reach * reach, to_box, to_triangle)?;
         Some(Hit { triangle: t as usize, point: found, distance: squared.sqrt() })
     }
+}
+
+/// How far along a ray lies a triangle, and the barycentric coordinates there (Möller & Trumbore 1997, Fast, Minimum
+/// Storage Ray/Triangle Intersection).
+fn crossing([a, b, c]: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<(f64, Vec3)> {
+    let (ab, ac, from) = (b - a, c - a, origin - a);
+    let across = direction.cross(ac);
+    let q = from.cross(ab);
+    let scale = 1.0 / ab.dot(across);
+    let (v, w, distance) = (from.dot(across) * scale, direction.dot(q) * scale, ac.dot(q) * scale);
+    let weights = Vec3::new(1.0 - v - w, v, w);
+    let inside = weights.min_element() >= -SLIT && distance > 0.0 && distance.is_finite();
+    let weights = weights.max(Vec3::ZERO);
+    inside.then(|| (distance, weights / weights.element_sum()))
 }
 
 /// Barycentric coordinates of a place on a triangle.
@@ -163,6 +201,20 @@ mod tests {
         assert_eq!((hit.triangle, hit.point), (2, Vec3::new(0.7, 0.2, 0.0)));
         assert!(sheet().closest_compatible_point(point, Vec3::X).is_none());
         assert_eq!(sheet().closest_point(point).unwrap().triangle, 0);
+    }
+
+    #[test]
+    fn a_ray_leaves_through_edges_and_corners_too() {
+        let up = |x: f64, y: f64| sheet().exit(Vec3::new(x, y, -1.0), Vec3::Z, |_| true);
+        for [x, y] in [[0.7, 0.2], [0.4, 0.4], [0.0, 0.5], [1.0, 1.0], [0.0, 0.0]] {
+            // Below is the side that faces down, through which nothing leaves upwards.
+            let (hit, weights) = up(x, y).unwrap();
+            assert!((hit.distance - 1.1).abs() < 1e-12 && (weights.element_sum() - 1.0).abs() < 1e-12);
+            assert!(hit.point.distance(Vec3::new(x, y, 0.1)) < 1e-12 && hit.triangle < 2);
+        }
+        assert!(up(1.1, 0.5).is_none() && up(0.5, -0.1).is_none());
+        assert!(sheet().exit(Vec3::new(0.7, 0.2, -1.0), Vec3::Z, |t| t != 0).is_none());
+        assert!(sheet().exit(Vec3::new(0.7, 0.2, 1.0), Vec3::Z, |_| true).is_none());
     }
 
     #[test]

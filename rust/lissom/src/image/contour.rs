@@ -4,7 +4,7 @@
 use glam::DVec2;
 use rustc_hash::FxHashMap;
 
-use super::Alpha;
+use super::alpha::Alpha;
 use crate::{Job, Result, memory};
 
 /// Part of the way between two pixels that contours keep from either, so that no two of them touch.

@@ -4,6 +4,7 @@
 //! filled with a lattice of equilateral triangles and refined until no angle is small (Ruppert 1995; Chew 1989).
 //! Triangulation and refinement are those of the crate `spade`, which one file knows.
 
+mod alpha;
 mod contour;
 mod options;
 mod simplify;
@@ -11,6 +12,7 @@ mod triangulate;
 
 use glam::DVec2;
 
+pub use alpha::Alpha;
 pub use options::ImageMeshOptions;
 
 use crate::options::OptionSet;
@@ -30,38 +32,6 @@ pub struct ImageMesh {
     pub uv: Vec<[f64; 2]>,
     /// What was left out or is doubtful.
     pub warnings: Vec<String>,
-}
-
-/// Alpha of an image, row by row from the top.
-#[derive(Debug, Clone, Copy)]
-pub struct Alpha<'a> {
-    /// In 0-1, `width` times as many as there are rows.
-    pub values: &'a [f64],
-    /// Pixels in a row.
-    pub width: usize,
-}
-
-impl Alpha<'_> {
-    /// Number of rows.
-    pub fn height(&self) -> usize {
-        self.values.len().checked_div(self.width).unwrap_or(0)
-    }
-
-    fn check(&self) -> Result<()> {
-        let invalid = |fault| Err(Error::InvalidValue(fault));
-        if self.values.is_empty() {
-            return invalid(Fault::new("alpha", "the image has no pixels"));
-        }
-        let bad = |of: fn(f64) -> bool| (0..self.values.len()).filter(move |&i| of(self.values[i]));
-        if let Some(fault) = Fault::at("alpha", "not a finite number", bad(|a| !a.is_finite())) {
-            return invalid(fault);
-        }
-        let range = "must be from 0 to 1; divide bytes by 255";
-        match Fault::at("alpha", range, bad(|a| !(0.0..=1.0).contains(&a))) {
-            Some(fault) => invalid(fault),
-            None => Ok(()),
-        }
-    }
 }
 
 /// The mesh of what is at least as opaque as the threshold.
@@ -89,7 +59,7 @@ pub fn image_mesh(alpha: Alpha<'_>, options: &ImageMeshOptions, job: &Job) -> Re
     let specks = found - contours.len();
     let opaque: f64 = contours.iter().map(|ring| area(ring)).sum();
     // Where an island is left out and what is in it is not, too.
-    if !(opaque > 0.0) {
+    if opaque <= 0.0 {
         let smallest = options.smallest;
         return Err(nothing(format!("nothing opaque is as large as {smallest} square pixels")));
     }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::stretch::Stretch;
+use crate::mesh::Plane;
 use crate::options::{choices, options};
 use crate::{Mesh, Vec3};
 
@@ -38,6 +39,11 @@ options! {
         pub clearance: Option<Arc<Mesh>> = None,
         /// Where the vertices of that mesh are at the end, if they move.
         pub clearance_end: Option<Vec<Vec3>> = None => unit("the mesh's units"),
+        /// Planes, each (point, normal), that complete half shapes by their mirror image: vertices on them in all shapes stay
+        /// on them.
+        pub mirror: Vec<Plane> = Vec::new(),
+        /// How far a vertex may be from its mirror image to be on the plane.
+        pub mirror_tolerance: f64 = 1e-4 => at_least(0.0) unit("of the diagonal"),
     }
 }
 

@@ -85,13 +85,14 @@ impl Inbetween {
         let firsts: Vec<usize> = mesh.components().members().iter().map(|m| m[0] as usize).collect();
         let problem = "parts that turn by half a turn, where either way round is as near, named by their first vertex; \
                        a shape half way tells which";
-        let halves = found.halves.iter().map(|&c| firsts[c]);
+        let own = |v: &usize| !mesh.is_image(*v);
+        let halves = found.halves.iter().map(|&c| firsts[c]).filter(own);
         warnings.extend(Fault::at("end", problem, halves).map(|fault| fault.to_string()));
         let problem = "components that are a mirror image of the start and cave in on the way, named by their first vertex";
-        let turned = mirrored(&mesh, a, b).into_iter().map(|c| firsts[c]);
+        let turned = mirrored(&mesh, a, b).into_iter().map(|c| firsts[c]).filter(own);
         warnings.extend(Fault::at("end", problem, turned).map(|fault| fault.to_string()));
         let volumes = options.preserve_volume.then(|| Volumes::of(&mesh, a, b));
-        let open = volumes.iter().flat_map(Volumes::open).map(|c| firsts[c]);
+        let open = volumes.iter().flat_map(Volumes::open).map(|c| firsts[c]).filter(own);
         let problem = "open components, which have no volume to preserve, named by their first vertex";
         warnings.extend(Fault::at("preserve_volume", problem, open).map(|fault| fault.to_string()));
         let clearance = match (&options.clearance, &options.clearance_end) {

@@ -7,6 +7,9 @@ use std::sync::Arc;
 use super::keyframes::Keyframes;
 use super::options::InbetweenOptions;
 use super::path::Inbetween;
+use super::shapes::shape_frame;
+use crate::geometry::plane::expect_perpendicular;
+use crate::symmetry::Symmetry;
 use crate::{Error, Fault, Job, Mesh, Result, Vec3};
 
 /// A path through a list of shapes.
@@ -15,6 +18,10 @@ pub struct Route {
     /// The times of the shapes, from 0 to 1.
     knots: Vec<f64>,
     legs: Vec<Inbetween>,
+    /// Where half shapes were completed: how, and all of the whole ones.
+    mirrored: Option<(Symmetry, Vec<Vec<Vec3>>)>,
+    /// Vertices that the caller knows of.
+    own: usize,
 }
 
 impl Route {
@@ -44,18 +51,34 @@ impl Route {
             let problem = "an obstacle that moves and shapes to go through do not go together";
             return Err(Error::InvalidValue(Fault::new("clearance_end", problem)));
         }
-        let stops: Vec<&[Vec3]> = std::iter::once(start)
-            .chain(through.iter().map(|(_, shape)| shape.as_slice()))
-            .chain(std::iter::once(end))
-            .collect();
+        let mut stops: Vec<Vec<Vec3>> = vec![start.to_vec()];
+        stops.extend(through.iter().map(|(_, shape)| shape.clone()));
+        stops.push(end.to_vec());
         let last = through.len();
+        let mut mirrored = None;
+        let mut whole = mesh.clone();
+        if !options.mirror.is_empty() {
+            expect_perpendicular("mirror", &options.mirror)?;
+            for (k, stop) in stops.iter().enumerate() {
+                let frame = shape_frame("start", mesh, stop);
+                frame.map_err(
+                    |error| if k > last { error.renamed("end") } else { name_stops(error, k, last) },
+                )?;
+            }
+            let shapes: Vec<&[Vec3]> = stops.iter().map(Vec::as_slice).collect();
+            let (completed, symmetry) =
+                Symmetry::completed(mesh, &shapes, &options.mirror, options.mirror_tolerance)?;
+            stops = stops.iter().map(|stop| symmetry.spread(stop)).collect();
+            whole = Arc::new(completed);
+            mirrored = Some((symmetry, stops.clone()));
+        }
         let legs = (stops.windows(2).enumerate())
             .map(|(k, ends)| {
-                let leg = Inbetween::new(mesh.clone(), ends[0], ends[1], options.clone(), job);
+                let leg = Inbetween::new(whole.clone(), &ends[0], &ends[1], options.clone(), job);
                 leg.map_err(|error| name_stops(error, k, last))
             })
             .collect::<Result<_>>()?;
-        Ok(Self { knots, legs })
+        Ok(Self { knots, legs, mirrored, own: mesh.vertices().len() })
     }
 
     /// What is doubtful, of all legs.
@@ -75,9 +98,6 @@ impl Route {
     ///
     /// As [`Inbetween::at`].
     pub fn at(&self, times: &[f64], job: &Job) -> Result<Vec<Vec<Vec3>>> {
-        if let [leg] = &self.legs[..] {
-            return leg.at(times, job);
-        }
         Inbetween::check_times(times)?;
         let mut shapes = vec![Vec::new(); times.len()];
         for (k, leg) in self.legs.iter().enumerate() {
@@ -86,11 +106,28 @@ impl Route {
                 .filter(|&i| times[i] >= from && (times[i] < to || (to == 1.0 && times[i] <= 1.0)))
                 .collect();
             let own: Vec<f64> = here.iter().map(|&i| ((times[i] - from) / (to - from)).min(1.0)).collect();
-            for (i, shape) in here.into_iter().zip(leg.at(&own, job)?) {
+            for ((i, &s), mut shape) in here.into_iter().zip(&own).zip(leg.at(&own, job)?) {
+                self.halve(k, s, &mut shape);
                 shapes[i] = shape;
             }
         }
         Ok(shapes)
+    }
+
+    /// Leaves the caller's own vertices of a whole shape at the time `t` of a leg, none of them across a plane that they
+    /// lie on at both ends.
+    fn halve(&self, leg: usize, t: f64, shape: &mut Vec<Vec3>) {
+        if let Some((symmetry, stops)) = &self.mirrored
+            && t > 0.0
+            && t < 1.0
+        {
+            let line = stops[leg].iter().zip(&stops[leg + 1]).map(|(&p, &q)| p + (q - p) * t);
+            let line: Vec<Vec3> = line.collect();
+            let mut off: Vec<Vec3> = shape.iter().zip(&line).map(|(&x, &p)| x - p).collect();
+            symmetry.symmetrise(&mut off);
+            *shape = line.into_iter().zip(off).map(|(p, d)| p + d).collect();
+        }
+        shape.truncate(self.own);
     }
 
     /// The fewest times, those of all shapes among them, as [`Inbetween::keyframes`].

@@ -10,6 +10,7 @@
 //!
 //! *Refinement* keeps `s` and refits the rotations to what came out (`refit`).
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -114,8 +115,10 @@ impl Shapes {
                 (0..3).for_each(|c| sum[c] += share * w[c]);
             }
             let slivers = mesh.triangle_ids().iter().zip(&geometry.mollified).filter(|(_, flat)| **flat);
+            // A mirror image is named as what it is the image of.
+            let slivers: BTreeSet<usize> = slivers.map(|(&id, _)| id as usize).collect();
             let problem = "triangles that are slivers or without area, mollified";
-            let fault = Fault::at(name, problem, slivers.map(|(&id, _)| id as usize));
+            let fault = Fault::at(name, problem, slivers);
             warnings.extend(fault.map(|fault| fault.to_string()));
         }
         let hats = unit.iter().map(|x| hat_gradients_at(&mesh, &weights, x)).collect();
@@ -193,9 +196,10 @@ impl Shapes {
             Branches { turns: branches::shortest(&motions, drift), ..Branches::default() }
         };
         let ids = neighbours.inverted(&motions).map(|t| mesh.triangle_ids()[t] as usize);
+        let ids: BTreeSet<usize> = ids.collect();
         let halves = halves.iter().map(|&t| mesh.triangles()[t as usize][0] as usize);
         let halves = halves.filter_map(|v| mesh.components().of_vertex(v)).collect();
-        Ok(Turns { inverted: ids.collect(), motions, turns, roots, links, halves })
+        Ok(Turns { inverted: ids.into_iter().collect(), motions, turns, roots, links, halves })
     }
 
     /// How far the centroid of every component goes from the first shape to another, or that of what it rides on.
@@ -290,7 +294,7 @@ impl<F: Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync> Targets<F> {
 }
 
 /// Checks one of the shapes.
-fn shape_frame(argument: &str, mesh: &Mesh, shape: &[Vec3]) -> Result<UnitFrame> {
+pub(super) fn shape_frame(argument: &str, mesh: &Mesh, shape: &[Vec3]) -> Result<UnitFrame> {
     if shape.len() != mesh.vertices().len() {
         let (rows, n) = (shape.len(), mesh.vertices().len());
         let problem = format!("has {rows} rows, the mesh has {n} vertices");

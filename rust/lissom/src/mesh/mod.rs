@@ -8,6 +8,7 @@ pub(crate) mod validate;
 mod weld;
 
 pub use crate::geometry::frame::UnitFrame;
+pub use crate::geometry::plane::Plane;
 pub use adjacency::{Adjacency, Corner, HalfEdge};
 pub use components::Components;
 
@@ -26,6 +27,8 @@ pub struct Mesh {
     triangles: Vec<[u32; 3]>,
     triangle_ids: Vec<u32>,
     input_triangles: usize,
+    /// Vertices from here on are mirror images, of which the caller does not know.
+    images_from: usize,
     adjacency: Adjacency,
     components: Components,
     geometry: TriangleGeometry,
@@ -72,6 +75,7 @@ impl Mesh {
         );
         validate::doubts(&adjacency, &triangles, &triangle_ids, &geometry, &welds, &mut warnings);
         Ok(Self {
+            images_from: vertices.len(),
             vertices,
             frame,
             diagonal: diagonal(&rest, &triangles, &geometry.areas),
@@ -103,6 +107,7 @@ impl Mesh {
             diagonal: self.diagonal,
             triangle_ids: (0..triangles.len() as u32).collect(),
             input_triangles: triangles.len(),
+            images_from: whole.len(),
             adjacency: Adjacency::of(whole.len(), &triangles),
             components: Components::of(whole.len(), &triangles),
             geometry: TriangleGeometry::of(&rest, &triangles),
@@ -113,6 +118,34 @@ impl Mesh {
         }
     }
 
+    /// The mesh with mirror images after its own vertices and triangles.
+    pub(crate) fn extended(
+        &self,
+        vertices: Vec<Vec3>,
+        triangles: Vec<[u32; 3]>,
+        triangle_ids: Vec<u32>,
+        welds: Vec<u32>,
+    ) -> Result<Self> {
+        let frame = UnitFrame::of(&vertices, &triangles)?;
+        let rest: Vec<Vec3> = vertices.iter().map(|&v| frame.to_unit(v)).collect();
+        let geometry = TriangleGeometry::of(&rest, &triangles);
+        Ok(Self {
+            frame,
+            diagonal: diagonal(&rest, &triangles, &geometry.areas),
+            triangle_ids,
+            input_triangles: self.input_triangles,
+            images_from: self.vertices.len(),
+            adjacency: Adjacency::of(vertices.len(), &triangles),
+            components: Components::of(vertices.len(), &triangles),
+            geometry,
+            vertices,
+            rest,
+            triangles,
+            welds,
+            warnings: self.warnings.clone(),
+        })
+    }
+
     /// The same triangles on other rest positions, in the same unit coordinates.
     pub(crate) fn reshaped(&self, rest: Vec<Vec3>) -> Self {
         Self {
@@ -121,6 +154,7 @@ impl Mesh {
             diagonal: self.diagonal,
             triangle_ids: self.triangle_ids.clone(),
             input_triangles: self.input_triangles,
+            images_from: self.images_from,
             adjacency: self.adjacency.clone(),
             components: self.components.clone(),
             geometry: TriangleGeometry::of(&rest, &self.triangles),
@@ -156,6 +190,11 @@ impl Mesh {
         self.vertices().len() == other.vertices().len()
             && self.triangles() == other.triangles()
             && self.triangle_ids() == other.triangle_ids()
+    }
+
+    /// Whether a vertex was added as a mirror image: nothing to speak of to the caller.
+    pub fn is_image(&self, vertex: usize) -> bool {
+        vertex >= self.images_from
     }
 
     /// Positions in unit coordinates.

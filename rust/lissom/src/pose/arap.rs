@@ -17,7 +17,7 @@
 //! Animation): the Dirichlet energy of the rotations, which makes a surface bend like a solid of the thickness
 //! `sqrt(a area)`. `smoothness` blends to `(1 - l) E + l h^2 sum_i |(L x)_i - R_i (L v)_i|^2 / m_i` (Oehri, Herholz &
 //! Sorkine-Hornung 2025, Higher Order Continuity for Smooth As-Rigid-As-Possible Shape Modeling), so that a single
-//! moved vertex pulls without a spike. They leave the unit of length open; the factor [`BENDING`] times the region's
+//! moved vertex pulls without a spike. They leave the unit of length open; the factor `BENDING` times the region's
 //! area makes `l` mean the same for every mesh.
 //!
 //! The metric of the descent is the rotations' own part of the second derivative. Without `rotation_smoothing` every
@@ -27,32 +27,30 @@
 
 use std::f64::consts::PI;
 
-use rayon::prelude::*;
-
-use super::field::{self, inverse_mass};
+use super::field;
 use super::goal::Goal;
+use super::lever::{self, Lever};
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
-use crate::geometry::rows::Rows;
-use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
-use crate::matrix::{outer, trace};
-use crate::operators::cotangent::cotangent_laplacian;
+use super::rods::differences;
+use super::smoothing::{LEAST_MASS, metric, smoothness};
+use crate::geometry::rigid::centroid;
+use crate::linear::ConstrainedSystem;
+use crate::matrix::trace;
 use crate::options::{choices, options};
 use crate::rotation::nearest_rotation;
 use crate::stitch::{
-    Descent, Owners, Reference, Stitcher, Stop, Weights, edge_weights, refine, turned, turned_less,
+    Descent, Differences, Owners, Reference, Stitcher, Stop, Weights, edge_weights, refine, turned,
+    turned_less,
 };
-use crate::{Job, Mat3, Mesh, Quat, Result, Vec3};
+use crate::symmetry::Symmetry;
+use crate::{Job, Mat3, Quat, Result, Vec3};
 
 /// Extended rotations are a start where they bring the energy below this fraction of that without.
 const CLEARLY: f64 = 0.8;
 
-/// What the bending term of `smoothness` is worth, relative to the area of the region: at `l = 1/2` it
-/// rules over distances below a tenth of the region's size.
-const BENDING: f64 = 0.01;
-
-/// Smallest mass of a rotation in the metric, relative to the mean.
-const LEAST_MASS: f64 = 1e-6;
+/// The turn, in radians, by which a handle's stiffness is told.
+const LITTLE: f64 = 1e-4;
 
 choices! {
     /// Which edges a vertex's rotation is fitted to.
@@ -74,6 +72,8 @@ options! {
         pub rotation_smoothing: f64 = 0.001 => at_least(0.0),
         /// How much curvature counts against lengths: 0.1 takes the spike off a single moved vertex.
         pub smoothness: f64 = 0.0 => at_least(0.0) below(1.0),
+        /// Closed parts keep their thickness when they bend and twist, as a body does and a hollow shell does not.
+        pub solid: bool = false,
     }
 }
 
@@ -91,34 +91,33 @@ pub struct Arap {
     rest: Vec<Mat3>,
     /// `a` times the region's area, against weights times `1 - l`, over the number of cells of an edge.
     rotation_smoothing: f64,
-    smoothness: Option<Smoothness>,
+    /// What vertices own besides their edges.
+    differences: Vec<Differences>,
     /// Of the descent, where rotations are smoothed.
     metric: Option<ConstrainedSystem>,
     /// The rotations of the last pose.
     previous: Option<Vec<Quat>>,
-}
-
-/// The Laplacian's rows, how much each counts, and what they make of the rest pose.
-#[derive(Debug)]
-struct Smoothness {
-    rows: Rows<(u32, f64)>,
-    /// `l h^2 / m_i`.
-    factor: Vec<f64>,
-    rest: Vec<Vec3>,
+    /// Of each handle that has turned by itself: how much vertices turn along, and its compliance.
+    levers: Vec<Option<(Vec<f64>, Mat3)>>,
 }
 
 /// A region on its way to a goal.
 struct Posing<'a> {
     arap: &'a Arap,
+    symmetry: &'a Symmetry,
     goal: &'a Goal,
+    /// Those of the goal's pivots.
+    levers: Vec<Lever<'a>>,
 }
 
 /// Rotations, and the shape that matches them best.
 #[derive(Debug)]
 struct Turned {
     rotations: Vec<Quat>,
+    /// Of the levers, further than the goal.
+    turns: Vec<Quat>,
     displacements: Vec<Vec3>,
-    /// Half the gradient by the rotations.
+    /// Half the gradient by the rotations, then by the turns.
     torques: Vec<Vec3>,
     /// How far each is from the one that fits best, where they are not smoothed.
     misfits: Vec<Vec3>,
@@ -134,13 +133,11 @@ impl Arap {
     /// [`crate::Error::SolveFailed`] where a system cannot be factored.
     pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let mesh = region.mesh();
-        let n = mesh.rest().len();
         let share = 1.0 - options.smoothness;
-        let smoothness = (options.smoothness > 0.0).then(|| Smoothness::of(mesh, options.smoothness));
-        let bending = smoothness.as_ref().map(|smoothness| {
-            let rows = smoothness.factor.iter().copied().zip(smoothness.rows.iter());
-            SymmetricMatrix::normal(n, rows)
-        });
+        let smooth = (options.smoothness > 0.0).then(|| smoothness(mesh, options.smoothness));
+        let solid = (!region.rods().is_empty()).then(|| differences(region.rods(), mesh.rest(), share));
+        let differences: Vec<Differences> = smooth.into_iter().chain(solid).collect();
+        let more = differences.iter().map(Differences::matrix).reduce(|a, b| a.combine(1.0, &b, 1.0));
         let (of_triangles, of_edges);
         let (owners, weights) = match options.cells {
             Cells::SpokesAndRims => {
@@ -154,12 +151,10 @@ impl Arap {
             }
         };
         let constraints = region.constraints().clone();
-        let stitcher = Stitcher::new(mesh.clone(), owners, weights, bending.as_ref(), constraints, job)?;
+        let stitcher = Stitcher::new(mesh.clone(), owners, weights, more.as_ref(), constraints, job)?;
         let mut rest = stitcher.covariances(Reference::Rest, mesh.rest());
         for (i, covariance) in rest.iter_mut().enumerate() {
-            if let Some(smoothness) = &smoothness {
-                *covariance += smoothness.covariance(i, smoothness.rest[i]);
-            }
+            differences.iter().for_each(|differences| *covariance += differences.rest_covariance(i));
             // But for rounding they are symmetric; exactly so, the rest pose has no torques.
             *covariance = (*covariance + covariance.transpose()) * 0.5;
         }
@@ -168,7 +163,15 @@ impl Arap {
         let metric = (rotation_smoothing > 0.0)
             .then(|| metric(&stitcher, &rest, rotation_smoothing, job))
             .transpose()?;
-        Ok(Self { stitcher, rest, rotation_smoothing, smoothness, metric, previous: None })
+        Ok(Self {
+            stitcher,
+            rest,
+            rotation_smoothing,
+            differences,
+            metric,
+            previous: None,
+            levers: Vec::new(),
+        })
     }
 
     /// The better of two shapes to start from: stitched to the handles' rotations, extended as harmonic rotation
@@ -177,10 +180,12 @@ impl Arap {
     /// the lower minimum shows only at the end. Where both are about equal, rotations are not what the pose is
     /// about, and the second leads lower.
     fn start(&self, region: &Region, goal: &Goal) -> Turned {
-        let posing = Posing { arap: self, goal };
+        let posing = self.posing(region, goal);
         let quaternions =
             |rotations: Vec<Mat3>| rotations.iter().map(|r| Quat::from_mat3(r).normalize()).collect();
-        let extended = posing.stitched(quaternions(field::rotations(self.stitcher.system(), region, goal)));
+        let unturned = || vec![Quat::IDENTITY; goal.pivots.len()];
+        let extended = quaternions(field::rotations(self.stitcher.system(), region, goal));
+        let extended = posing.stitched(extended, unturned());
         // More than half a turn is in the extended rotations alone.
         if goal.handles.iter().any(|m| m.whole_turns != Vec3::ZERO || m.rotation.length() > PI) {
             return extended;
@@ -188,45 +193,83 @@ impl Arap {
         let x: Vec<Vec3> =
             region.mesh().rest().iter().zip(&goal.displacements).map(|(&v, &d)| v + d).collect();
         let covariances = self.stitcher.covariances(Reference::Rest, &x);
-        let rest = posing.stitched(quaternions(covariances.into_iter().map(nearest_rotation).collect()));
+        let rest = quaternions(covariances.into_iter().map(nearest_rotation).collect());
+        let rest = posing.stitched(rest, unturned());
         let start = if extended.energy <= CLEARLY * rest.energy { extended } else { rest };
         // So long a step would teach the descent a wrong curvature.
         if self.metric.is_none() { posing.moved(&start, &start.misfits, 1.0) } else { start }
     }
-}
 
-/// What gradients by smoothed rotations are divided by.
-fn metric(stitcher: &Stitcher, rest: &[Mat3], smoothing: f64, job: &Job) -> Result<ConstrainedSystem> {
-    let mean = rest.iter().map(|s| trace(*s)).sum::<f64>() / rest.len() as f64;
-    let least = (LEAST_MASS * mean).max(f64::MIN_POSITIVE);
-    let edges = |i: usize| {
-        let beyond = stitcher.neighbours(i).filter(move |(j, _)| i < *j);
-        beyond.map(move |(j, w)| (i as u32, j as u32, 4.0 * smoothing * w.max(0.0)))
-    };
-    let mut matrix = SymmetricMatrix::laplacian(rest.len(), (0..rest.len()).flat_map(edges));
-    rest.iter().enumerate().for_each(|(i, s)| matrix.add_to_diagonal(i, 2.0 / 3.0 * trace(*s) + least));
-    ConstrainedSystem::new(&matrix, Constraints::hard(rest.len(), |_| false), job)
+    fn posing<'a>(&'a self, region: &'a Region, goal: &'a Goal) -> Posing<'a> {
+        let levers = goal.pivots.iter().filter_map(|&(h, pivot)| {
+            let (weights, compliance) = self.levers.get(h)?.as_ref()?;
+            Some(Lever::of(region, goal, (h, pivot), weights, *compliance))
+        });
+        Posing { arap: self, symmetry: region.symmetry(), goal, levers: levers.collect() }
+    }
+
+    /// The lever of a handle: from the rest pose, turned a little, its stiffness is what resists.
+    fn add_lever(&mut self, region: &Region, handle: usize) {
+        let axis = |h: usize| if h == handle { Vec3::X } else { Vec3::ZERO };
+        let mut weights = [region.at_handles(axis)];
+        self.stitcher.system().extend(&mut weights);
+        let weights: Vec<f64> = weights[0].iter().map(|w| w.x).collect();
+        let rest = vec![Vec3::ZERO; weights.len()];
+        let goal = Goal { displacements: rest, handles: Vec::new(), affine: true, pivots: Vec::new() };
+        let n = weights.len();
+        let members = (0..n).filter(|&v| region.handle_of(v) == Some(handle));
+        let centre = centroid(members.map(|v| region.mesh().rest()[v]));
+        let lever = Lever::of(region, &goal, (handle, centre), &weights, Mat3::IDENTITY);
+        let symmetry = &Symmetry::default();
+        let posing = Posing { arap: self, symmetry, goal: &goal, levers: vec![lever] };
+        let still = posing.stitched(vec![Quat::IDENTITY; n], vec![Quat::IDENTITY]);
+        let stiffness = Vec3::AXES.map(|axis| {
+            let mut direction = vec![Vec3::ZERO; n + 1];
+            direction[n] = axis * LITTLE;
+            posing.moved(&still, &direction, 1.0).torques[n] / LITTLE
+        });
+        let stiffness = Mat3::from_cols(stiffness[0], stiffness[1], stiffness[2]);
+        let size: f64 = self.rest.iter().map(|s| trace(*s)).sum();
+        let least = Mat3::IDENTITY * (LEAST_MASS * size).max(f64::MIN_POSITIVE);
+        let compliance = ((stiffness + stiffness.transpose()) * 0.5 + least).inverse();
+        self.levers.resize(self.levers.len().max(handle + 1), None);
+        self.levers[handle] = Some((weights, compliance));
+    }
 }
 
 impl Posing<'_> {
     /// The shape that matches rotations best.
-    fn stitched(&self, rotations: Vec<Quat>) -> Turned {
-        let Arap { stitcher, rest, rotation_smoothing, smoothness, .. } = self.arap;
+    fn stitched(&self, rotations: Vec<Quat>, turns: Vec<Quat>) -> Turned {
+        let Arap { stitcher, rest, rotation_smoothing, differences, .. } = self.arap;
         let mut asked = stitcher.turn_divergence(&rotations);
-        if let Some(smoothness) = smoothness {
-            smoothness.add_divergence(&rotations, &mut asked);
+        for differences in differences {
+            differences.add_divergence(|i, v| turned_less(rotations[i], v), &mut asked);
         }
-        let mut displacements = [self.goal.displacements.clone()];
-        stitcher.system().solve(&[asked], &mut displacements);
+        let given = lever::asked(&self.goal.displacements, &self.levers, &turns);
+        let mut displacements = [given.clone()];
+        stitcher.system().solve(&[&asked], &mut displacements);
         let [displacements] = displacements;
-        let bent = |i: usize| smoothness.as_ref().map_or((Mat3::ZERO, 0.0), |s| s.bent(i, &displacements));
-        let turning = stitcher.turning(rest, &rotations, &displacements, *rotation_smoothing, bent);
+        let more = |i: usize| {
+            let at = differences.iter().map(|differences| differences.at(i, &displacements));
+            at.fold((Mat3::ZERO, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1))
+        };
+        let mut turning = stitcher.turning(rest, &rotations, &displacements, *rotation_smoothing, more);
+        // Else rounding grows where a symmetric shape is no minimum, as one that buckles.
+        self.symmetry.symmetrise_turns(&mut turning.torques);
+        self.symmetry.symmetrise_turns(&mut turning.misfits);
         let missed = |&(v, weight): &(u32, f64)| {
-            weight * displacements[v as usize].distance_squared(self.goal.displacements[v as usize])
+            weight * displacements[v as usize].distance_squared(given[v as usize])
         };
         let pulls: f64 = stitcher.system().constraints().soft().iter().map(missed).sum();
         let (energy, size) = (turning.energy + pulls, turning.size + pulls);
-        Turned { rotations, displacements, torques: turning.torques, misfits: turning.misfits, energy, size }
+        let (mut torques, mut misfits) = (turning.torques, turning.misfits);
+        misfits.resize(misfits.len() + turns.len(), Vec3::ZERO);
+        if !self.levers.is_empty() {
+            let mut forces = stitcher.matrix().times_vectors(&displacements);
+            forces.iter_mut().zip(&asked).for_each(|(force, &asked)| *force -= asked);
+            lever::add_torques(&mut torques, &self.levers, (&rotations, &turns), &forces);
+        }
+        Turned { rotations, turns, displacements, torques, misfits, energy, size }
     }
 }
 
@@ -238,20 +281,28 @@ impl Descent for Posing<'_> {
     }
 
     fn gradient(&self, at: &Turned) -> [Vec<Vec3>; 2] {
-        let divided = match &self.arap.metric {
-            None => at.misfits.iter().map(|&misfit| -misfit).collect(),
+        let (own, of_handles) = at.torques.split_at(at.rotations.len());
+        let mut divided: Vec<Vec3> = match &self.arap.metric {
+            None => at.misfits[..own.len()].iter().map(|&misfit| -misfit).collect(),
             Some(metric) => {
-                let mut divided = [vec![Vec3::ZERO; at.torques.len()]];
-                metric.solve(&[&at.torques], &mut divided);
-                let [divided] = divided;
+                let mut divided = [vec![Vec3::ZERO; own.len()]];
+                metric.solve(&[own], &mut divided);
+                let [mut divided] = divided;
+                self.symmetry.symmetrise_turns(&mut divided);
                 divided
             }
         };
+        divided.extend(self.levers.iter().zip(of_handles).map(|(lever, &torque)| lever.compliance * torque));
         [at.torques.clone(), divided]
     }
 
     fn moved(&self, from: &Turned, direction: &[Vec3], length: f64) -> Turned {
-        self.stitched(turned(&from.rotations, direction, length))
+        if self.levers.is_empty() {
+            return self.stitched(turned(&from.rotations, direction, length), Vec::new());
+        }
+        let of_vertices = lever::with_levers(direction, &self.levers, (&from.rotations, &from.turns));
+        let turns = turned(&from.turns, &direction[of_vertices.len()..], length);
+        self.stitched(turned(&from.rotations, &of_vertices, length), turns)
     }
 }
 
@@ -260,12 +311,21 @@ impl Method for Arap {
         std::iter::once(self.stitcher.system()).chain(&self.metric).collect()
     }
 
+    fn turns_handles(&self) -> bool {
+        true
+    }
+
     fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution> {
         // What is cancelled leaves the last pose as it was.
         let previous = self.previous.clone().filter(|_| options.warm_start);
-        let posing = Posing { arap: self, goal };
+        for &(handle, _) in &goal.pivots {
+            if self.levers.get(handle).is_none_or(Option::is_none) {
+                self.add_lever(region, handle);
+            }
+        }
+        let posing = self.posing(region, goal);
         let start = match previous {
-            Some(rotations) => posing.stitched(rotations),
+            Some(rotations) => posing.stitched(rotations, vec![Quat::IDENTITY; goal.pivots.len()]),
             None => self.start(region, goal),
         };
         let stop = Stop { max_iterations: options.max_iterations, tolerance: options.tolerance };
@@ -274,7 +334,7 @@ impl Method for Arap {
             job.check()
         })?;
         let cells = self.stitcher.owners().per_edge();
-        let Turned { rotations, displacements, energy, .. } = refined.point;
+        let Turned { rotations, turns, displacements, energy, .. } = refined.point;
         self.previous = Some(rotations);
         Ok(Solution {
             displacements,
@@ -282,38 +342,7 @@ impl Method for Arap {
             energy: Some((cells * energy).max(0.0)),
             converged: refined.converged,
             residual: refined.residual,
+            turns,
         })
     }
-}
-
-impl Smoothness {
-    fn of(mesh: &Mesh, amount: f64) -> Self {
-        let inverse = inverse_mass(mesh);
-        let unit = amount * BENDING * mesh.areas().iter().sum::<f64>() / mesh.diagonal().powi(2);
-        let rows = cotangent_laplacian(mesh).rows();
-        let rest = rows.iter().map(|row| combination(row, mesh.rest())).collect();
-        Self { rows, factor: inverse.into_iter().map(|m| m * unit).collect(), rest }
-    }
-
-    /// Adds `sum_i f_i L_ij (R_i - I) (L v)_i`, what the second differences ask of each vertex.
-    fn add_divergence(&self, rotations: &[Quat], divergence: &mut [Vec3]) {
-        let asked: Vec<Vec3> =
-            (0..rotations.len()).map(|i| turned_less(rotations[i], self.rest[i]) * self.factor[i]).collect();
-        let rows = divergence.par_iter_mut().enumerate();
-        rows.for_each(|(j, sum)| *sum += combination(self.rows.of(j), &asked));
-    }
-
-    /// What the second differences at a vertex add to its covariance and to the size of the displacements.
-    fn bent(&self, i: usize, displacements: &[Vec3]) -> (Mat3, f64) {
-        let bend = combination(self.rows.of(i), displacements);
-        (self.covariance(i, bend), self.factor[i] * bend.length_squared())
-    }
-
-    fn covariance(&self, i: usize, bend: Vec3) -> Mat3 {
-        outer(bend, self.rest[i]) * self.factor[i]
-    }
-}
-
-fn combination(row: &[(u32, f64)], vectors: &[Vec3]) -> Vec3 {
-    row.iter().fold(Vec3::ZERO, |sum, &(j, value)| sum + vectors[j as usize] * value)
 }

@@ -4,8 +4,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::goal::{self, Goal};
-use super::method::{CommonOptions, Method, SolveOptions};
-use super::region::{Handle, Region};
+use super::handles::{self, Handle};
+use super::images::Images;
+use super::method::{CommonOptions, Method, Solution, SolveOptions};
+use super::own_turns::OwnTurns;
+use super::region::Region;
 use super::registry::MethodOptions;
 use super::unheld::Followers;
 use super::volume::KeptVolume;
@@ -35,6 +38,8 @@ pub struct Report {
 pub struct Posed {
     /// All positions, in the mesh's own units.
     pub vertices: Vec<Vec3>,
+    /// The handles' matrices, those that turned by themselves turned; none of a pose by points.
+    pub transforms: Vec<Mat4>,
     /// What the solve did.
     pub report: Report,
 }
@@ -56,11 +61,15 @@ pub struct Info {
 #[derive(Debug)]
 pub struct Pose {
     mesh: Arc<Mesh>,
+    /// The mesh with its mirror images, which is posed.
+    whole: Arc<Mesh>,
+    images: Images,
     welding: Welding,
     region: Region,
     method: Option<Box<dyn Method>>,
     volume: Option<KeptVolume>,
     followers: Followers,
+    own_turns: OwnTurns,
     info: Info,
     warnings: Vec<String>,
 }
@@ -87,19 +96,23 @@ impl Pose {
     ) -> Result<Self> {
         let begin = Instant::now();
         job.report(0.0, "region");
-        let (welding, welded) = Welding::of(&mesh, handles);
-        let roi = roi.map(|roi| roi.iter().map(|&v| mesh.representative(v)).collect::<Vec<_>>());
-        let region = Region::of(&mesh, welded, roi.as_deref(), common.hold())?;
+        roi.map(|roi| handles::membership(mesh.vertices().len(), roi)).transpose()?;
+        let (images, whole, handles) = Images::of(mesh.clone(), handles, common)?;
+        let (welding, welded) = Welding::of(&whole, handles);
+        let roi = roi.map(|roi| images.region(roi.iter().map(|&v| whole.representative(v)).collect()));
+        let hold = common.hold();
+        let region = Region::of(&whole, images.symmetry(), welded, roi.as_deref(), hold, method.is_solid())?;
         job.report(0.1, "matrix");
         job.check()?;
         let method = if region.is_rigid() { None } else { Some(method.bind(&region, job)?) };
         let keeps = common.preserve_volume && method.is_some();
-        let volume = if keeps { Some(KeptVolume::of(&mesh, &region, job)?) } else { None };
-        let followers = Followers::of(&mesh, region.handles(), roi.as_deref(), common.unheld);
+        let volume = if keeps { Some(KeptVolume::of(&whole, &region, job)?) } else { None };
+        let followers = Followers::of(&whole, region.handles(), roi.as_deref(), common.unheld);
         let mut info = Info::default();
         let mut warnings = region.warnings().to_vec();
         warnings.extend_from_slice(followers.warnings());
-        warnings.extend(volume.as_ref().and_then(|volume| volume.warning(&mesh)));
+        warnings.extend(images.warning());
+        warnings.extend(volume.as_ref().and_then(|volume| volume.warning(&whole)));
         let systems = method.iter().flat_map(|m| m.systems()).chain(volume.as_ref().map(KeptVolume::system));
         let factors: Vec<&Factor> = systems.map(|s| s.factor()).collect();
         for factor in &factors {
@@ -112,7 +125,20 @@ impl Pose {
         }
         info.seconds = begin.elapsed().as_secs_f64();
         job.report(1.0, "ready");
-        Ok(Self { mesh, welding, region, method, volume, followers, info, warnings })
+        let own_turns = OwnTurns::of(&whole, welding.handles());
+        Ok(Self {
+            mesh,
+            whole,
+            images,
+            welding,
+            region,
+            method,
+            volume,
+            followers,
+            own_turns,
+            info,
+            warnings,
+        })
     }
 
     /// What binding made.
@@ -127,12 +153,12 @@ impl Pose {
 
     /// Number of handles.
     pub fn handle_count(&self) -> usize {
-        self.welding.handles().len()
+        self.images.given().len()
     }
 
     /// Number of handle vertices, all handles together.
     pub fn handle_vertex_count(&self) -> usize {
-        self.welding.vertices().count()
+        self.images.given().iter().map(|handle| handle.vertices.len()).sum()
     }
 
     /// What is doubtful about the mesh, the handles, the region and the system.
@@ -147,14 +173,18 @@ impl Pose {
     /// about axes of the rest pose. Without, rotations are taken on branches that agree with each other
     /// ([`agree`]).
     ///
+    /// The handles `by_itself` turn about their centres as suits where all handles go, from the turn that they had in
+    /// the last solve on or, in the first one and without `warm_start`, from that of their matrix.
+    ///
     /// # Errors
     ///
-    /// [`Error::InvalidConstraint`] for the wrong number of matrices or vectors and for values that are
-    /// not finite; [`Error::SolveFailed`] on overflow; [`Error::Cancelled`].
+    /// [`Error::InvalidConstraint`] for the wrong number of matrices or vectors, for values that are
+    /// not finite and for numbers that are no handle's; [`Error::SolveFailed`] on overflow; [`Error::Cancelled`].
     pub fn solve(
         &mut self,
         transforms: &[Mat4],
         turns: Option<&[Vec3]>,
+        by_itself: &[u32],
         options: &SolveOptions,
         job: &Job,
     ) -> Result<Posed> {
@@ -170,14 +200,48 @@ impl Pose {
             let broken = turns.iter().enumerate().filter(|(_, r)| !r.is_finite()).map(|(h, _)| h);
             refuse("turns", "not finite", broken)?;
         }
-        let rest = self.mesh.vertices();
-        let targets: Vec<Vec3> = (self.welding.handles().iter().zip(transforms))
+        options.check()?;
+        let free = self.images.all_of(&self.own_turns.free(by_itself, handles)?);
+        let begin = Instant::now();
+        let frame = self.whole.frame();
+        let (leading, turns) = self.images.lead(transforms, turns);
+        let mut transforms = self.images.transforms(&leading);
+        let motions = goal::motions(&leading, turns.as_deref(), frame, self.region.is_anchored());
+        let mut motions = self.images.motions(&motions, frame);
+        let mut pivots = Vec::new();
+        if let Some(method) = self.method.as_ref().filter(|_| !free.is_empty()) {
+            let how = (options.warm_start, method.turns_handles());
+            self.own_turns.agree(&self.region, &free, &mut motions, how, job)?;
+            motions = self.images.symmetrise_motions(&motions, self.own_turns.centres(), frame);
+            free.iter().for_each(|&h| transforms[h] = motions[h].matrix(frame));
+            if method.turns_handles() {
+                pivots = self.own_turns.pivots(&free, &motions);
+            }
+        }
+        let (mut targets, mut own) = self.targets(&transforms);
+        let goal = Goal { pivots, ..self.region.goal(&self.whole, &own, motions.clone(), true) };
+        let solution = self.follow(&goal, options, job)?;
+        if let Some(solution) = solution.as_ref().filter(|solution| !solution.turns.is_empty()) {
+            self.own_turns.turn(&goal, &solution.turns, &mut motions);
+            motions = self.images.symmetrise_motions(&motions, self.own_turns.centres(), frame);
+            free.iter().for_each(|&h| transforms[h] = motions[h].matrix(frame));
+            (targets, own) = self.targets(&transforms);
+        }
+        self.own_turns.note(&free, &motions);
+        transforms.truncate(handles);
+        Ok(Posed { transforms, ..self.posed(&targets, &own, solution, begin)? })
+    }
+
+    /// Where matrices take the vertices of all handles, and those that are distinct.
+    fn targets(&self, transforms: &[Mat4]) -> (Vec<Vec3>, Vec<Vec3>) {
+        let rest = self.whole.vertices();
+        let handles = self.welding.handles();
+        let mut targets: Vec<Vec3> = (handles.iter().zip(transforms))
             .flat_map(|(handle, m)| handle.vertices.iter().map(|&v| m.transform_point3(rest[v as usize])))
             .collect();
-        let motions = goal::motions(transforms, turns, self.mesh.frame(), self.region.is_anchored());
-        let own = self.welding.distinct_targets(&self.mesh, &targets);
-        let goal = self.region.goal(&self.mesh, &own, motions, true);
-        self.pose(&targets, &own, &goal, options, job)
+        self.images.symmetrise_targets(&self.whole, handles, &mut targets);
+        let own = self.welding.distinct_targets(&self.whole, &targets);
+        (targets, own)
     }
 
     /// Poses by one target per handle vertex, handles in order, in the mesh's own units.
@@ -192,32 +256,39 @@ impl Pose {
         expect_count("targets", "points", targets.len(), self.handle_vertex_count(), "handle vertices")?;
         let broken = targets.iter().enumerate().filter(|(_, p)| !p.is_finite()).map(|(i, _)| i);
         refuse("targets", "not finite", broken)?;
-        let own = self.welding.distinct_targets(&self.mesh, targets);
-        self.welding.expect_joined(&self.mesh, targets, &own)?;
-        let mut motions = self.region.estimate_motions(&self.mesh, &own);
+        let mut targets = self.images.targets(&self.whole, self.welding.handles(), targets);
+        self.images.symmetrise_targets(&self.whole, self.welding.handles(), &mut targets);
+        let own = self.welding.distinct_targets(&self.whole, &targets);
+        self.welding.expect_joined(&self.whole, &targets, &own)?;
+        let motions = self.region.estimate_motions(&self.whole, &own);
+        let mut motions = self.images.leading(&motions);
         let mut rotations: Vec<Vec3> = motions.iter().map(|m| m.rotation).collect();
         agree(&mut rotations, self.region.is_anchored());
         motions.iter_mut().zip(rotations).for_each(|(m, rotation)| m.rotation = rotation);
-        let goal = self.region.goal(&self.mesh, &own, motions, false);
-        self.pose(targets, &own, &goal, options, job)
+        let motions = self.images.motions(&motions, self.whole.frame());
+        options.check()?;
+        let begin = Instant::now();
+        let goal = self.region.goal(&self.whole, &own, motions, false);
+        let solution = self.follow(&goal, options, job)?;
+        self.posed(&targets, &own, solution, begin)
+    }
+
+    fn follow(&mut self, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Option<Solution>> {
+        self.method.as_mut().map(|method| method.solve(&self.region, goal, options, job)).transpose()
     }
 
     /// `targets` are those of the handles as given, `own` those of the region's.
-    fn pose(
-        &mut self,
+    fn posed(
+        &self,
         targets: &[Vec3],
         own: &[Vec3],
-        goal: &Goal,
-        options: &SolveOptions,
-        job: &Job,
+        solution: Option<Solution>,
+        begin: Instant,
     ) -> Result<Posed> {
-        options.check()?;
-        let begin = Instant::now();
         let mut report = Report { converged: true, warnings: self.warnings().to_vec(), ..Report::default() };
-        let mut vertices = self.mesh.vertices().to_vec();
-        if let Some(method) = &mut self.method {
-            let solution = method.solve(&self.region, goal, options, job)?;
-            self.region.write_back(&self.mesh, &solution.displacements, &mut vertices);
+        let mut vertices = self.whole.vertices().to_vec();
+        if let Some(solution) = solution {
+            self.region.write_back(&self.whole, &solution.displacements, &mut vertices);
             report.iterations = solution.iterations;
             report.energy = solution.energy;
             report.converged = solution.converged;
@@ -235,19 +306,22 @@ impl Pose {
             }
         }
         let put = |vertices: &mut [Vec3]| {
-            self.welding.put(&self.mesh, targets, own, vertices, |v| self.region.is_given(v));
+            self.images.symmetrise(&self.whole, vertices);
+            self.welding.put(&self.whole, targets, own, vertices, |v| self.region.is_given(v));
         };
         put(&mut vertices);
         if let Some(volume) = &self.volume {
-            volume.restore(&self.mesh, &self.region, &mut vertices);
+            volume.restore(&self.whole, &self.region, &mut vertices);
             put(&mut vertices);
         }
-        self.followers.carry(&self.mesh, &mut vertices);
+        self.followers.carry(&self.whole, &mut vertices);
+        put(&mut vertices);
+        vertices.truncate(self.mesh.vertices().len());
         if let Some(v) = vertices.iter().position(|p| !p.is_finite()) {
             return Err(Error::SolveFailed(format!("vertex {v} overflows the range of numbers")));
         }
         report.seconds = begin.elapsed().as_secs_f64();
-        Ok(Posed { vertices, report })
+        Ok(Posed { vertices, transforms: Vec::new(), report })
     }
 }
 

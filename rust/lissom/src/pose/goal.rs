@@ -6,7 +6,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::mesh::UnitFrame;
-use crate::rotation::{agree, log, nearest_branch, nearest_rotation};
+use crate::rotation::{agree, exp, log, nearest_branch, nearest_rotation, polar};
 use crate::{Mat3, Mat4, Vec3};
 
 /// Where the handles ask the region to go, in unit coordinates of the region's mesh.
@@ -18,6 +18,8 @@ pub struct Goal {
     pub handles: Vec<HandleMotion>,
     /// Whether the displacements are those of the handles' affine motions, and not of single points.
     pub affine: bool,
+    /// The handles that the method may turn further, and the point that each turns about, where it goes.
+    pub pivots: Vec<(usize, Vec3)>,
 }
 
 /// How a handle moves as a whole.
@@ -31,6 +33,25 @@ pub struct HandleMotion {
     pub linear: Mat3,
     /// Displacement of the origin of unit coordinates.
     pub offset: Vec3,
+}
+
+impl HandleMotion {
+    /// Displacement of a point.
+    pub(super) fn displacement(&self, point: Vec3) -> Vec3 {
+        self.linear * point + self.offset - point
+    }
+
+    /// With another rotation vector, and the same displacement of `centre`.
+    pub(super) fn turned_about(self, centre: Vec3, rotation: Vec3) -> Self {
+        let linear = exp(rotation) * polar(self.linear).1;
+        Self { rotation, linear, offset: self.offset + (self.linear - linear) * centre, ..self }
+    }
+
+    /// In the mesh's own units.
+    pub(super) fn matrix(&self, frame: UnitFrame) -> Mat4 {
+        let translation = frame.center + self.offset * frame.scale - self.linear * frame.center;
+        Mat4::from_mat3_translation(self.linear, translation)
+    }
 }
 
 /// The motion of each handle from its matrix, rest to posed in the mesh's own units, and its whole turns, where given;

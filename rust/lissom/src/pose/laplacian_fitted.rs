@@ -27,7 +27,7 @@ use super::method::Method;
 use super::region::Region;
 use super::responses::{Linear, Response, minima};
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
-use crate::matrix::outer;
+use crate::matrix::{cross, outer};
 use crate::operators::graph::graph_laplacian;
 use crate::options::options;
 use crate::{Job, Mat3, Mesh, Result, Vec3};
@@ -136,11 +136,6 @@ fn fit(rest: &[Vec3], row: &[(u32, f64)], scale: f64, grow: bool) -> Row {
             (j, Mat3::IDENTITY * (a * scale) - outer(grown, p) + turned * cross(p))
         })
         .collect()
-}
-
-/// `[a]x`, `[a]x b = a x b`.
-fn cross(a: Vec3) -> Mat3 {
-    Mat3::from_cols(Vec3::new(0.0, a.z, -a.y), Vec3::new(-a.z, 0.0, a.x), Vec3::new(a.y, -a.x, 0.0))
 }
 
 /// Blocks `sum_i B_ij^T B_ik`.

@@ -1,11 +1,13 @@
 //! What a pose method is.
 
 use super::goal::Goal;
-use super::region::{Hold, Region};
+use super::handles::Hold;
+use super::region::Region;
 use super::unheld::Unheld;
 use crate::linear::ConstrainedSystem;
+use crate::mesh::Plane;
 use crate::options::{choices, options};
-use crate::{Job, Result, Vec3};
+use crate::{Job, Quat, Result, Vec3};
 
 options! {
     /// How long an iterative method goes on, and from where.
@@ -42,6 +44,14 @@ options! {
         pub preserve_volume: bool = false,
         /// What parts without a handle do, such as eyes, teeth and buttons.
         pub unheld: Unheld = Unheld::Follow,
+        /// Planes, each (point, normal), that complete a half mesh by its mirror image, with the same handles: vertices on
+        /// them stay on them.
+        pub mirror: Vec<Plane> = Vec::new(),
+        /// Planes, each (point, normal), that a whole mesh is symmetric about: every handle's mirror image moves as its
+        /// mirror image. Where both are handles, the one on the normal's side leads.
+        pub symmetry: Vec<Plane> = Vec::new(),
+        /// How far a vertex may be from where a mirror image has it to be that.
+        pub mirror_tolerance: f64 = 1e-4 => at_least(0.0) unit("of the diagonal"),
     }
 }
 
@@ -68,12 +78,14 @@ pub struct Solution {
     pub converged: bool,
     /// The fraction of the energy by which the last iteration lowered it.
     pub residual: f64,
+    /// How far each handle of [`Goal::pivots`] was turned further, in their order.
+    pub turns: Vec<Quat>,
 }
 
 impl Solution {
     /// What a method that does not iterate found.
     pub(crate) fn direct(displacements: Vec<Vec3>) -> Self {
-        Self { displacements, iterations: 1, energy: None, converged: true, residual: 0.0 }
+        Self { displacements, iterations: 1, energy: None, converged: true, residual: 0.0, turns: Vec::new() }
     }
 }
 
@@ -88,4 +100,9 @@ pub trait Method: Send + std::fmt::Debug {
 
     /// What it factored, to solve by.
     fn systems(&self) -> Vec<&ConstrainedSystem>;
+
+    /// Whether turns of handles are among its unknowns, see [`Goal::pivots`].
+    fn turns_handles(&self) -> bool {
+        false
+    }
 }

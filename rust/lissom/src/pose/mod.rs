@@ -1,8 +1,8 @@
 //! Pose a mesh by handles: some vertices are moved, some stay, the rest follow, details intact.
 //!
-//! [`Pose`] (`bound`) prepares a region of interest and its handles once (`region`) and a method
+//! [`Pose`] (`bound`) prepares a region of interest and its handles once (`region`, `handles`) and a method
 //! ([`Method`], one a file; `registry` knows them by name); each solve turns the handles' motion into a [`Goal`]
-//! (`goal`, `welding`) and hands it to the method. Methods see a mesh that consists of the region alone, so none
+//! (`goal`, `welding`, `images`) and hands it to the method. Methods see a mesh that consists of the region alone, so none
 //! knows of anything outside; what nobody holds follows afterwards (`unheld`).
 //!
 //! | file | chooses |
@@ -15,21 +15,31 @@
 //! | [`poisson`] | the handles' rotations and stretches, blended by smooth weights |
 //! | [`multiresolution`] | how a smoothed base moves, by any other method |
 //! | [`arap`] | the rotations that fit the current shape best, again and again |
+//!
+//! Handles may turn by themselves (`own_turns`): `agree` finds turns that suit all methods, and `lever` makes them
+//! unknowns of `arap`.
 
+mod agree;
 pub mod arap;
 mod bound;
 mod field;
 mod goal;
+mod handles;
+mod images;
 pub mod laplacian;
 pub mod laplacian_fitted;
 pub mod laplacian_rotated;
+mod lever;
 mod method;
 pub mod multiresolution;
+mod own_turns;
 pub mod poisson;
 mod region;
 mod registry;
 mod responses;
+mod rods;
 pub mod rotation_invariant;
+mod smoothing;
 pub mod thin_shell;
 mod unheld;
 mod volume;
@@ -37,8 +47,9 @@ mod welding;
 
 pub use bound::{Info, Pose, Posed, Report};
 pub use goal::{Goal, HandleMotion};
+pub use handles::{Handle, Hold};
 pub use method::{CommonOptions, Holding, Method, Solution, SolveOptions};
-pub use region::{Handle, Hold, Region};
+pub use region::Region;
 pub use registry::{METHODS, MethodOptions};
 pub use responses::{Linear, Response};
 pub use unheld::Unheld;

@@ -19,10 +19,11 @@ use super::field::{of_handles, smooth_system};
 use super::goal::{Goal, HandleMotion};
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
+use super::rods::differences;
 use crate::linear::ConstrainedSystem;
 use crate::options::options;
 use crate::rotation::{exp, polar};
-use crate::stitch::{Owners, Reference, Stitcher, Weights};
+use crate::stitch::{Differences, Owners, Reference, Stitcher, Weights};
 use crate::{Job, Mat3, Result, Vec3};
 
 /// Stretch of a handle that counts as none.
@@ -35,6 +36,8 @@ options! {
         /// How smoothly the pose joins the handles and the border of the region: 0 in value, 1 in slope too,
         /// 2 in curvature too.
         pub border: usize = 0 => at_most(2.0),
+        /// Closed parts keep their thickness when they bend and twist, as a body does and a hollow shell does not.
+        pub solid: bool = false,
     }
 }
 
@@ -49,6 +52,8 @@ pub struct Poisson {
     /// The system of the weights, where its system is not that of the stitcher.
     smooth: Option<ConstrainedSystem>,
     stitcher: Stitcher,
+    /// Rods, of a solid region.
+    rods: Option<Differences>,
 }
 
 impl Poisson {
@@ -62,29 +67,26 @@ impl Poisson {
             0 => None,
             border => Some(smooth_system(region, border, job)?),
         };
+        let (mesh, rods) = (region.mesh(), region.rods());
+        let rods = (!rods.is_empty()).then(|| differences(rods, mesh.rest(), 1.0));
+        let across = rods.as_ref().map(Differences::matrix);
         let stitcher = Stitcher::new(
-            region.mesh().clone(),
+            mesh.clone(),
             Owners::Triangles,
             Weights::Cotangent,
-            None,
+            across.as_ref(),
             region.constraints().clone(),
             job,
         )?;
-        Ok(Self { smooth, stitcher })
+        Ok(Self { smooth, stitcher, rods })
     }
+}
 
-    /// `C_t - I` of every triangle.
-    fn changes(&self, region: &Region, goal: &Goal) -> Vec<Mat3> {
-        let vectors: Vec<[Vec3; 4]> = goal.handles.iter().map(to_vectors).collect();
-        let system = self.smooth.as_ref().unwrap_or(self.stitcher.system());
-        let fields = of_handles(system, region, &vectors);
-        let blend = |t: &[u32; 3]| {
-            let mean = |of: &Vec<Vec3>| t.iter().map(|&v| of[v as usize]).sum::<Vec3>() / 3.0;
-            let [rotation, whole, diagonal, mixed] = fields.each_ref().map(mean);
-            exp(rotation) * exp(whole) * (Mat3::IDENTITY + symmetric(diagonal, mixed)) - Mat3::IDENTITY
-        };
-        region.mesh().triangles().par_iter().with_min_len(512).map(blend).collect()
-    }
+/// `C - I` where fields are the mean of those at some vertices.
+fn blend(fields: &[Vec<Vec3>; 4], at: &[u32]) -> Mat3 {
+    let mean = |of: &Vec<Vec3>| at.iter().map(|&v| of[v as usize]).sum::<Vec3>() / at.len() as f64;
+    let [rotation, whole, diagonal, mixed] = fields.each_ref().map(mean);
+    exp(rotation) * exp(whole) * (Mat3::IDENTITY + symmetric(diagonal, mixed)) - Mat3::IDENTITY
 }
 
 /// What is blended: rotation vector, whole turns, and the entries of `S - I` on and off the diagonal.
@@ -112,8 +114,18 @@ impl Method for Poisson {
 
     fn solve(&mut self, region: &Region, goal: &Goal, _: &SolveOptions, job: &Job) -> Result<Solution> {
         job.check()?;
-        let mut displacements = goal.displacements.clone();
-        self.stitcher.stitch(Reference::Rest, &self.changes(region, goal), &mut displacements);
+        let vectors: Vec<[Vec3; 4]> = goal.handles.iter().map(to_vectors).collect();
+        let system = self.smooth.as_ref().unwrap_or(self.stitcher.system());
+        let fields = of_handles(system, region, &vectors);
+        let triangles = region.mesh().triangles().par_iter().with_min_len(512);
+        let changes: Vec<Mat3> = triangles.map(|t| blend(&fields, t)).collect();
+        let mut asked = self.stitcher.divergence(Reference::Rest, &changes);
+        if let Some(rods) = &self.rods {
+            rods.add_divergence(|i, v| blend(&fields, &[i as u32]) * v, &mut asked);
+        }
+        let mut displacements = [goal.displacements.clone()];
+        self.stitcher.system().solve(&[asked], &mut displacements);
+        let [displacements] = displacements;
         Ok(Solution::direct(displacements))
     }
 }

@@ -4,36 +4,13 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::goal::{Goal, HandleMotion};
+use super::handles::{Handle, Hold, membership, owners, pulls};
+use super::rods::{Owned, rods};
 use crate::geometry::rigid::Alignment;
 use crate::linear::Constraints;
 use crate::rotation::log;
-use crate::{Error, Fault, Mat3, Mesh, Result, Vec3};
-
-/// Vertices that move together.
-#[derive(Debug, Clone)]
-pub struct Handle {
-    /// The vertices.
-    pub vertices: Vec<u32>,
-    /// How much each belongs to the handle, above 0 and at most 1; `None` where all do wholly. A vertex
-    /// of membership `m < 1` stays free, and is pulled with the weight `m / (1 - m)`.
-    pub membership: Option<Vec<f64>>,
-}
-
-impl From<Vec<u32>> for Handle {
-    fn from(vertices: Vec<u32>) -> Self {
-        Self { vertices, membership: None }
-    }
-}
-
-/// How the handles hold their vertices.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Hold {
-    /// Exactly: they are eliminated.
-    #[default]
-    Hard,
-    /// With this weight, squared in the energy (thesis 2.2, equation 2-4).
-    Soft(f64),
-}
+use crate::symmetry::Symmetry;
+use crate::{Fault, Mat3, Mesh, Result, Vec3};
 
 /// Handles and region, checked, with the part of the mesh that takes part.
 #[derive(Debug)]
@@ -51,11 +28,23 @@ pub struct Region {
     /// For each vertex of the part, its handle.
     handle_of: Vec<Option<u32>>,
     constraints: Constraints,
+    /// Of the part.
+    symmetry: Symmetry,
+    /// Those that reach a free vertex, of a solid region.
+    rods: Vec<Owned>,
     warnings: Vec<String>,
 }
 
 impl Region {
-    pub(super) fn of(mesh: &Mesh, handles: Vec<Handle>, roi: Option<&[u32]>, hold: Hold) -> Result<Self> {
+    /// A `solid` region has [`rods`] through its closed parts.
+    pub(super) fn of(
+        mesh: &Mesh,
+        symmetry: &Symmetry,
+        handles: Vec<Handle>,
+        roi: Option<&[u32]>,
+        hold: Hold,
+        solid: bool,
+    ) -> Result<Self> {
         let n = mesh.vertices().len();
         let mut warnings = mesh.warnings().to_vec();
         let handle_of = owners(n, &handles)?;
@@ -65,7 +54,8 @@ impl Region {
             Some(roi) => membership(n, roi)?,
             None => vec![true; n],
         };
-        let outside = handle_of.iter().enumerate().filter(|(v, h)| h.is_some() && !in_roi[*v]);
+        let outside = handle_of.iter().enumerate();
+        let outside = outside.filter(|(v, h)| h.is_some() && !in_roi[*v] && !mesh.is_image(*v));
         let problem = "outside the region of interest, moved all the same";
         warnings
             .extend(Fault::at("handles", problem, outside.map(|(v, _)| v)).map(|fault| fault.to_string()));
@@ -85,15 +75,22 @@ impl Region {
             (follows || pull[v].is_some()) && attached
         };
         let first: Vec<usize> = components.members().iter().map(|m| m[0] as usize).collect();
-        let ambiguous = (0..first.len()).filter(|&c| points[c] > 0 && held[c] <= 2).map(|c| first[c]);
+        let ambiguous = |&c: &usize| points[c] > 0 && held[c] <= 2 && !mesh.is_image(first[c]);
+        let ambiguous = (0..first.len()).filter(ambiguous).map(|c| first[c]);
         let problem =
             "components held by one or two points, whose rotation is ambiguous, named by their first vertex";
         warnings.extend(Fault::at("handles", problem, ambiguous).map(|fault| fault.to_string()));
+
+        let (mut rods, hollow) = if solid { rods(mesh) } else { (Vec::new(), None) };
+        warnings.extend(hollow);
+        rods.retain(|rod| rod.ends().iter().any(|&v| free(v as usize)));
 
         // Cells of given vertices beside free ones reach one ring further and count in full, and so do
         // their Laplacians' neighbours where curvature is continued across the border.
         let triangles = mesh.triangles();
         let mut near: Vec<bool> = (0..n).map(free).collect();
+        let joined = rods.iter().flat_map(|rod| rod.ends().into_iter().chain([rod.owner]));
+        joined.for_each(|v| near[v as usize] = true);
         let ring = |near: &[bool]| -> Vec<usize> {
             (0..triangles.len()).filter(|&t| triangles[t].iter().any(|&v| near[v as usize])).collect()
         };
@@ -111,6 +108,7 @@ impl Region {
             let triangles = taking_part.iter().map(|&t| triangles[t].map(|v| local[&v])).collect();
             Arc::new(mesh.part(&whole, triangles))
         });
+        let rods = rods.iter().map(|rod| rod.renumbered(|v| local[&v])).collect();
         let soft = (0u32..).zip(&whole).filter_map(|(v, &w)| Some((v, pull[w as usize]?)));
         let constraints = Constraints::hard(whole.len(), |v| !free(whole[v] as usize)).with_soft(soft);
         let mut target_of = vec![None; n];
@@ -119,7 +117,8 @@ impl Region {
         }
         let target_of = whole.iter().map(|&v| target_of[v as usize]).collect();
         let handle_of = whole.iter().map(|&v| handle_of[v as usize]).collect();
-        Ok(Self { handles, given, part, whole, target_of, handle_of, constraints, warnings })
+        let symmetry = symmetry.of_part(&whole);
+        Ok(Self { handles, given, part, whole, target_of, handle_of, constraints, symmetry, rods, warnings })
     }
 
     /// The same region of a mesh whose vertices rest elsewhere, in unit coordinates; given ones do not.
@@ -132,6 +131,8 @@ impl Region {
             target_of: self.target_of.clone(),
             handle_of: self.handle_of.clone(),
             constraints: self.constraints.clone(),
+            symmetry: self.symmetry.clone(),
+            rods: self.rods.clone(),
             warnings: self.warnings.clone(),
         }
     }
@@ -172,7 +173,8 @@ impl Region {
         self.part.is_none()
     }
 
-    /// The mesh that methods work on: free vertices and the three rings of given ones around them.
+    /// The mesh that methods work on: free vertices and the three rings of given ones around them and around the ends of
+    /// their rods.
     ///
     /// # Panics
     ///
@@ -189,6 +191,16 @@ impl Region {
     /// Which vertices of [`Region::mesh`] are given.
     pub fn constraints(&self) -> &Constraints {
         &self.constraints
+    }
+
+    /// What [`Region::mesh`] and its handles are symmetric about.
+    pub fn symmetry(&self) -> &Symmetry {
+        &self.symmetry
+    }
+
+    /// Rods through the body, by the vertices of [`Region::mesh`]; none where the region is not solid.
+    pub(super) fn rods(&self) -> &[Owned] {
+        &self.rods
     }
 
     /// Whether some connected part is held by points on a line only, or a single one, so that a turn or a
@@ -221,7 +233,7 @@ impl Region {
             Some(place) => (targets[*place as usize] - rest[v as usize]) / scale,
             None => Vec3::ZERO,
         });
-        Goal { displacements: displacements.collect(), handles, affine }
+        Goal { displacements: displacements.collect(), handles, affine, pivots: Vec::new() }
     }
 
     pub(super) fn write_back(&self, mesh: &Mesh, displacements: &[Vec3], vertices: &mut [Vec3]) {
@@ -260,96 +272,4 @@ impl Region {
             })
             .collect()
     }
-}
-
-/// The handle that each vertex is in.
-fn owners(n: usize, handles: &[Handle]) -> Result<Vec<Option<u32>>> {
-    let invalid = |fault: Fault| Err(Error::InvalidConstraint(fault));
-    if handles.is_empty() {
-        return invalid(Fault::new("handles", "there is no handle"));
-    }
-    let empty = handles.iter().enumerate().filter(|(_, h)| h.vertices.is_empty()).map(|(h, _)| h);
-    if let Some(fault) = Fault::at("handles", "empty handle", empty) {
-        return invalid(fault);
-    }
-    let outside = handles.iter().flat_map(|h| &h.vertices).filter(|&&v| v as usize >= n).map(|&v| v as usize);
-    let problem = format!("vertex index out of range, the mesh has {n} vertices");
-    if let Some(fault) = Fault::at("handles", problem, outside) {
-        return invalid(fault);
-    }
-    let mut owner = vec![None; n];
-    let mut twice = Vec::new();
-    let mut rivals = None;
-    for (h, handle) in (0u32..).zip(handles) {
-        for &v in &handle.vertices {
-            if let Some(other) = owner[v as usize].replace(h) {
-                twice.push(v as usize);
-                rivals.get_or_insert((other, h));
-            }
-        }
-    }
-    if let Some((a, b)) = rivals {
-        let problem = if a == b {
-            format!("vertex twice in handle {a}")
-        } else {
-            format!("vertex in two handles, first in {a} and {b}")
-        };
-        if let Some(fault) = Fault::at("handles", problem, twice) {
-            return invalid(fault);
-        }
-    }
-    Ok(owner)
-}
-
-/// Whether each vertex is in the region.
-fn membership(n: usize, roi: &[u32]) -> Result<Vec<bool>> {
-    if roi.is_empty() {
-        return Err(Error::InvalidConstraint(Fault::new("roi", "the region of interest is empty")));
-    }
-    let outside = roi.iter().filter(|&&v| v as usize >= n).map(|&v| v as usize);
-    let problem = format!("vertex index out of range, the mesh has {n} vertices");
-    if let Some(fault) = Fault::at("roi", problem, outside) {
-        return Err(Error::InvalidConstraint(fault));
-    }
-    let mut inside = vec![false; n];
-    for &v in roi {
-        inside[v as usize] = true;
-    }
-    Ok(inside)
-}
-
-/// The weight that pulls each handle vertex; `None` where it is held exactly or in no handle.
-fn pulls(n: usize, handles: &[Handle], hold: Hold) -> Result<Vec<Option<f64>>> {
-    if let Hold::Soft(weight) = hold
-        && !(weight > 0.0 && weight.is_finite())
-    {
-        return Err(Error::InvalidValue(Fault::new("weight", "must be a positive number")));
-    }
-    let mut pull = vec![None; n];
-    for (h, handle) in handles.iter().enumerate() {
-        let ones = vec![1.0; handle.vertices.len()];
-        let membership = handle.membership.as_ref().unwrap_or(&ones);
-        if membership.len() != handle.vertices.len() {
-            let (given, wanted) = (membership.len(), handle.vertices.len());
-            let problem = format!("{given} weights for {wanted} vertices of handle {h}");
-            return Err(Error::InvalidConstraint(Fault::new("handle_weights", problem)));
-        }
-        let bad = membership.iter().enumerate().filter(|(_, m)| !(**m > 0.0 && **m <= 1.0));
-        let problem = format!("weights of handle {h} must be above 0 and at most 1");
-        if let Some(fault) = Fault::at("handle_weights", problem, bad.map(|(i, _)| i)) {
-            return Err(Error::InvalidConstraint(fault));
-        }
-        for (&v, &m) in handle.vertices.iter().zip(membership) {
-            let full = match hold {
-                Hold::Hard => 1.0,
-                Hold::Soft(weight) => weight * weight,
-            };
-            pull[v as usize] = match hold {
-                _ if m < 1.0 => Some(full * m / (1.0 - m)),
-                Hold::Soft(_) => Some(full),
-                Hold::Hard => None,
-            };
-        }
-    }
-    Ok(pull)
 }

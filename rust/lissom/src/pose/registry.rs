@@ -77,6 +77,13 @@ impl MethodOptions {
         Self::by_name(name).ok_or_else(|| Error::InvalidValue(Fault::new("method", no_method(name))))
     }
 
+    /// Whether closed parts are posed as solids.
+    pub(super) fn is_solid(&self) -> bool {
+        let solid =
+            |(spec, value): (Spec, _)| spec.name == "solid" && matches!(value, Some(Value::Bool(true)));
+        self.specs().into_iter().zip(self.values()).any(solid)
+    }
+
     /// The choice among the methods, as an option.
     pub fn spec() -> Spec {
         let (help, default) = ("How the mesh follows its handles", Self::default().name());

@@ -119,7 +119,7 @@ fn unit_goal(region: &Region, handle: usize, change: Mat3, offset: Vec3) -> Goal
         Some(h) if h == handle => change * rest[v] + offset,
         _ => Vec3::ZERO,
     });
-    Goal { displacements: moved.collect(), handles: motions, affine: true }
+    Goal { displacements: moved.collect(), handles: motions, affine: true, pivots: Vec::new() }
 }
 
 impl Responses {

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::region::Handle;
+use super::handles::Handle;
 use crate::{Error, Fault, Mesh, Result, Vec3};
 
 /// Welded vertices may be asked to go this far apart, as a fraction of the diagonal.

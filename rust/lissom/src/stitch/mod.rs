@@ -19,6 +19,7 @@
 //! Both are steps down the same energy, which [`refine`] takes with an eye on the last ones; either the shape is what
 //! it moves, or the rotations of the vertices.
 
+mod differences;
 mod fans;
 mod lbfgs;
 mod refine;
@@ -29,6 +30,7 @@ mod turns;
 mod vectors;
 mod volume;
 
+pub use differences::Differences;
 pub use refine::{Descent, Refined, Stop, refine};
 pub use stitcher::Stitcher;
 pub use targets::{HatGradients, Local, Owners, Reference, Weights, edge_weights};

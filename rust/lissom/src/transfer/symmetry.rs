@@ -8,6 +8,7 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
+use crate::geometry::plane::{self, Plane};
 use crate::geometry::surface::Surface;
 use crate::geometry::triangle::vertex_normals;
 use crate::{Mesh, Vec3};
@@ -103,8 +104,7 @@ impl Twins {
     /// About a plane by which the `images` (points in the source's unit coordinates) of twins of the target are mirror
     /// images too; `None` where there is none. A tube has many planes, and few by which a fit is symmetric.
     pub fn of_both(source: &Mesh, target: &Mesh, images: &[Option<Vec3>]) -> Option<Self> {
-        let [of_source, of_target] =
-            [source, target].map(|mesh| Surface::new(mesh.rest().iter().map(|&p| [p; 3]).collect()));
+        let [of_source, of_target] = [source, target].map(|mesh| plane::tree(mesh.rest()));
         let about = |axis: usize| {
             let vertices = [twins(source, &of_source, axis)?, twins(target, &of_target, axis)?];
             let off = |(v, twin): (usize, &Option<u32>)| {
@@ -128,21 +128,15 @@ impl Twins {
 }
 
 /// The twin of every vertex about the plane across `axis`; `None` where most have none.
-fn twins(mesh: &Mesh, points: &Surface, axis: usize) -> Option<Vec<Option<u32>>> {
-    let rest = mesh.rest();
-    let nearest = |v: usize| {
-        let hit = points.closest_centroid(flip(rest[v], axis)).filter(|hit| hit.distance < TWINS)?;
-        Some(hit.triangle as u32)
-    };
-    let step = (rest.len() / SAMPLES).max(1);
-    let few: Vec<usize> = (0..rest.len()).step_by(step).collect();
+fn twins(mesh: &Mesh, tree: &Surface, axis: usize) -> Option<Vec<Option<u32>>> {
+    let (rest, plane) = (mesh.rest(), Plane::across(axis));
     let enough = |found: usize, of: usize| found as f64 >= MOST * of as f64;
-    if !enough(few.iter().filter(|&&v| nearest(v).is_some()).count(), few.len()) {
+    let few: Vec<Vec3> = rest.iter().copied().step_by((rest.len() / SAMPLES).max(1)).collect();
+    let near = few.iter().filter(|&&p| plane::nearest(tree, plane.image(p), TWINS).is_some());
+    if !enough(near.count(), few.len()) {
         return None;
     }
-    let found: Vec<Option<u32>> = (0..rest.len()).into_par_iter().map(nearest).collect();
-    let mutual = |(v, twin): (usize, &Option<u32>)| twin.filter(|&w| found[w as usize] == Some(v as u32));
-    let found: Vec<Option<u32>> = found.iter().enumerate().map(mutual).collect();
+    let found = plane::twins(tree, rest, &plane, TWINS);
     enough(found.iter().flatten().count(), found.len()).then_some(found)
 }
 

@@ -1,0 +1,41 @@
+"""What mirrors a mesh object: its Mirror modifiers, which make the other half, and the artist's wish."""
+
+import numpy as np
+
+from ..core import space
+from ..core.mirrors import AXES, Mirrors
+
+
+def of(obj, linear, symmetry="OFF"):
+    """core.mirrors.Mirrors of an object in solve space; ``symmetry`` is "OFF" or an axis."""
+    modifiers = [modifier for modifier in _shown(obj) if not _reason(modifier)]
+    axes = sorted({axis for modifier in modifiers for axis in range(3) if modifier.use_axis[axis]})
+    merging = [modifier.merge_threshold for modifier in modifiers if modifier.use_mirror_merge]
+    asked = [AXES.index(symmetry)] if symmetry != "OFF" else []
+    planes = {axis: space.mirror_normal(linear, axis, obj.name) for axis in {*axes, *asked}}
+    reach = max((float(np.linalg.norm(linear[:, axis])) for axis in axes), default=1.0)
+    return Mirrors(
+        mirror=tuple(planes[axis] for axis in axes),
+        symmetry=tuple(planes[axis] for axis in asked if axis not in axes),
+        distance=max(merging) * reach if merging else None,
+    )
+
+
+def left_out(obj):
+    """Warnings about Mirror modifiers whose seams are not kept together."""
+    return [
+        f"Mirror modifier '{m.name}' {_reason(m)}, or its seam may open" for m in _shown(obj) if _reason(m)
+    ]
+
+
+def _shown(obj):
+    return [m for m in obj.modifiers if m.type == "MIRROR" and m.show_viewport and any(m.use_axis)]
+
+
+def _reason(modifier):
+    """What to do about a modifier that is not taken, or ""."""
+    if modifier.mirror_object is not None:
+        return f"mirrors about '{modifier.mirror_object.name}': clear its Mirror Object"
+    if any(map(np.logical_and, modifier.use_axis, modifier.use_bisect_axis)):
+        return "bisects the mesh: turn off Bisect"
+    return ""
