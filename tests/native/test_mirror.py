@@ -383,3 +383,26 @@ def test_bad_handles_are_refused_as_without_a_mirror():
         with pytest.raises(lissom.InvalidConstraint) as mirror:
             lissom.Pose(mesh, handles, roi=roi, mirror=[(ORIGIN, X)])
         assert str(plain.value) == str(mirror.value)
+
+
+@METHODS
+@SEEDS
+def test_handles_that_turn_by_themselves_turn_as_those_of_the_whole(method, seed):
+    vertices, faces, handles, (still, motion) = scene(seed)
+    centre = vertices[handles[1]].mean(axis=0)
+    shifted = np.eye(4)
+    shifted[:3, 3] = moved(motion, centre) - centre
+    half = lissom.Pose(lissom.Mesh(vertices, faces), handles, method=method, mirror=[(ORIGIN, X)])
+    posed = half.solve([still, shifted], by_itself=[0, 1], max_iterations=3000, tolerance=1e-11)
+    points, triangles, image = completed(vertices, faces)
+    low = np.union1d(handles[0], image[handles[0]])
+    whole = lissom.Pose(lissom.Mesh(points, triangles), [low, handles[1], image[handles[1]]], method=method)
+    goal = [still, shifted, across(shifted)]
+    expected = whole.solve(goal, by_itself=[0, 1, 2], max_iterations=3000, tolerance=1e-11)
+    size = diagonal(points)
+    assert (posed.vertices[vertices[:, 0] == 0, 0] == 0).all()
+    assert len(posed.transforms) == 2
+    assert np.abs(posed.transforms[0][0, 1:3]).max() < 1e-14
+    # Clusters of triangles are not symmetric, and the whole's turns are not quite.
+    assert np.abs(posed.transforms[1] - expected.transforms[1]).max() < 2e-3
+    assert np.abs(posed.vertices - expected.vertices[: len(vertices)]).max() < 1e-3 * size
