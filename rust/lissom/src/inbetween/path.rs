@@ -15,7 +15,7 @@ use super::options::{InbetweenOptions, Rotation};
 use super::relative::Relative;
 use super::riders;
 use super::screw::Screw;
-use super::shapes::{Of, Shapes, Targets};
+use super::shapes::{Of, Shapes, Stretched, Targets};
 use super::stretch::{self, Stretch, shares};
 use super::turn::Turn;
 use crate::geometry::triangle::normal_and_area;
@@ -232,11 +232,7 @@ impl Inbetween {
     }
 
     /// What every triangle asks for at time `t`.
-    fn targets(
-        &self,
-        t: f64,
-        job: &Job,
-    ) -> Result<Targets<impl Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync + Send + '_>> {
+    fn targets(&self, t: f64, job: &Job) -> Result<Targets<impl Stretched + '_>> {
         let changes = match &self.relative {
             Some(relative) => {
                 let mut rotations = relative.at(t, &self.turns, job)?;

@@ -76,9 +76,13 @@ pub(super) enum Of {
     Corners,
 }
 
+/// The hats of a triangle's stretched edges, or its stretched corners, and those less the ones on the straight line.
+pub(super) trait Stretched: Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync + Send {}
+
+impl<F: Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync + Send> Stretched for F {}
+
 /// What one shape to be stitched asks for.
 pub(super) struct Targets<F> {
-    /// The hats of a triangle's stretched edges, or its stretched corners, and those less the ones on the straight line.
     pub stretched: F,
     /// `R_t - I`.
     pub changes: Vec<Mat3>,
@@ -221,7 +225,7 @@ impl Shapes {
     /// # Errors
     ///
     /// [`Error::Cancelled`].
-    pub fn stitch<F: Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync + Send>(
+    pub fn stitch<F: Stretched>(
         &self,
         targets: &[Targets<F>],
         rounds: usize,
@@ -249,7 +253,7 @@ impl Shapes {
     }
 
     /// `R_t - I` refitted to the shape `y`.
-    fn refitted<F: Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync + Send>(
+    fn refitted<F: Stretched>(
         &self,
         targets: &Targets<F>,
         y: &[Vec3],
@@ -286,7 +290,7 @@ impl Shapes {
     }
 }
 
-impl<F: Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync> Targets<F> {
+impl<F: Stretched> Targets<F> {
     fn divergence(&self, stitcher: &Stitcher, changes: &[Mat3]) -> Vec<Vec3> {
         let hats = |t: usize| (self.stretched)(t, Of::Hats);
         stitcher.divergence(Reference::Edges { hats: &hats, base: &self.line }, changes)
