@@ -134,9 +134,11 @@ def test_pose_before_and_after_bind(panels):
             "weld": False,
             "stays": "FAR",
             "reach": 0.0,
+            "symmetry": "OFF",
             "cells": "spokes_and_rims",
             "rotation_smoothing": 0.001,
             "smoothness": 0.0,
+            "solid": False,
             "constraints": "hard",
             "weight": 1.0,
             "preserve_volume": False,
@@ -161,7 +163,7 @@ def test_the_options_are_those_of_the_chosen_method_and_no_others(panels, method
     assert [name for name in drawn["settings"] if name in by_name()] == shown
     assert not any(name in by_name() for name in draw(panels["pose"], closed=True)["settings"])
     (given,) = drawn["operators"]["lissom.pose_bind"]
-    own = {"use_weights": False, "weld": False, "stays": "FAR", "reach": 0.0}
+    own = {"use_weights": False, "weld": False, "stays": "FAR", "reach": 0.0, "symmetry": "OFF"}
     assert given == {"object": "Tube", "method": method} | own | {
         name: option.default for (_, name), option in wanted.items()
     } | ({"base": base} if method == "multiresolution" else {})
@@ -191,7 +193,7 @@ def test_the_redo_panel_shows_the_options_of_the_method():
     )
     bpy.types.LISSOM_OT_pose_bind.draw(operator, bpy.context)
     shown = ["method", "k_s", "k_b", "border", "constraints", "preserve_volume", "unheld"]
-    assert drawn["settings"] == [*shown, "use_weights", "weld", "stays", "reach"]
+    assert drawn["settings"] == [*shown, "use_weights", "weld", "stays", "reach", "symmetry"]
 
 
 def test_one_handle_alone_is_asked_what_stays(panels):
