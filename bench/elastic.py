@@ -213,7 +213,7 @@ def figures(shell, path, start, end):
         "lengths": np.sqrt((lengths**2).mean()),
         "lengths, most": np.abs(lengths).max(),
         "angles": np.sqrt((angles**2).mean()),
-        "volume": np.abs(volumes).max() / max(abs(v), abs(w)),
+        "volume": np.abs(volumes).max() / max(abs(v), abs(w)) if v * w > 0 else None,
         "step": largest_step(path),
     }
 
@@ -373,7 +373,12 @@ def measure(name, steps, thickness):
         away = np.linalg.norm(path - consistent, axis=2).max() / mesh.diagonal
         cells = [f"{name}, {len(start)}", way, f"{f['energy']:.3f}"]
         cells += [f"{f['lengths']:.2%}", f"{f['lengths, most']:.1%}", f"{f['angles']:.2f}"]
-        cells += [f"{f['volume']:.2%}", f"{f['step']:.2f}", f"{away:.1%}", f"{seconds:.2f}"]
+        cells += [
+            "–" if f["volume"] is None else f"{f['volume']:.2%}",
+            f"{f['step']:.2f}",
+            f"{away:.1%}",
+            f"{seconds:.2f}",
+        ]
         print(f"| {' | '.join(cells)} |".replace("%", " %"), flush=True)
 
 
