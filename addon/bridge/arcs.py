@@ -24,7 +24,9 @@ from ..core.inbetween import Asked, path_work
 from ..core.refused import Refused, first
 from . import animation, checks, meshes, mirrors, shape_keys, sliders
 
-SECOND = 100.0  # the evaluation time that an absolute arc takes, in Blender's frames of shape keys
+# The evaluation time that an absolute arc takes. Blender puts a new key 10 behind the last one unless a key,
+# this one too, is within 0.1 of the time asked for: hat.NEAREST must be more, and the last key is made first.
+DURATION = 2000.0
 GAP = 10.0  # between the last key and the first of the arc, as Blender itself spaces them
 
 
@@ -195,17 +197,18 @@ class Baking:
     def _write_absolute(self, obj, arc, start, end, knots, shapes):
         keys = obj.data.shape_keys
         others = [key.name for key in keys.key_blocks if key not in (keys.reference_key, start, end)]
-        offset = max(key.frame for key in keys.key_blocks) + GAP - SECOND * knots[0]
+        offset = max(key.frame for key in keys.key_blocks) + GAP - DURATION * knots[0]
         keys.use_relative = False
-        for knot, shape in zip(knots, shapes, strict=True):
-            keys.eval_time = offset + SECOND * knot  # where Blender puts a new absolute key
+        for knot, shape in reversed(list(zip(knots, shapes, strict=True))):
+            keys.eval_time = offset + DURATION * knot  # where Blender puts a new absolute key
             self._key(obj, arc, knot, shape, shape_keys.Settings()).interpolation = "KEY_LINEAR"
+            arc.keys.move(len(arc.keys) - 1, 0)
         curve = EASINGS[self.asked.easing]
         times = np.unique([knots[0], 0.0, 1.0, knots[-1]])
         slopes = curve.slope(np.clip(times, 0.0, 1.0))
-        before = SECOND * np.where((times <= 0) | (times > 1), 1.0, slopes)
-        after = SECOND * np.where((times < 0) | (times >= 1), 1.0, slopes)
-        corners = easing.bezier(times, offset + SECOND * times, before, after)
+        before = DURATION * np.where((times <= 0) | (times > 1), 1.0, slopes)
+        after = DURATION * np.where((times < 0) | (times >= 1), 1.0, slopes)
+        corners = easing.bezier(times, offset + DURATION * times, before, after)
         sliders.drive(keys, "eval_time", obj, arc.name, corners)
         if not others:
             return []
