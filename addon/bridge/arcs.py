@@ -22,7 +22,7 @@ from ..core import inbetween as core_inbetween
 from ..core.easing import EASINGS
 from ..core.inbetween import Asked, path_work
 from ..core.refused import Refused, first
-from . import animation, checks, meshes, mirrors, shape_keys, sliders
+from . import animation, checks, images, meshes, mirrors, shape_keys, sliders
 
 # The evaluation time that an absolute arc takes. Blender puts a new key 10 behind the last one unless a key,
 # this one too, is within 0.1 of the time asked for: hat.NEAREST must be more, and the last key is made first.
@@ -179,6 +179,7 @@ class Baking:
         warnings += write(obj, arc, start, end, knots, shapes)
         if self.asked.prepare_keys:
             warnings += _prepare(obj, start, end, arc.name)
+        warnings += images.lay_again(obj, arc)
         warnings += filter(None, [checks.shared_data(obj)])
         arc.warnings = "\n".join(warnings)
         return len(arc.keys), warnings
@@ -258,6 +259,7 @@ def remove(obj, slider):
         animation.redirect(obj, path, keys, back)
         if left:
             warnings.append(f"The animation of slider '{slider}' is not handed back: {left[0]}")
+    images.take_away(obj, slider)
     if slider in obj:
         del obj[slider]
     orphans = sliders.driven_keys(obj, slider)
