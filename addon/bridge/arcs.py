@@ -178,7 +178,7 @@ class Baking:
         write = self._write_absolute if self.asked.playback == "ABSOLUTE" else self._write_relative
         warnings += write(obj, arc, start, end, knots, shapes)
         if self.asked.prepare_keys:
-            warnings += _prepare(obj, start, end, arc.name)
+            warnings += sliders.take_over(obj, arc.name, start, end)
         warnings += images.lay_again(obj, arc)
         warnings += filter(None, [checks.shared_data(obj)])
         arc.warnings = "\n".join(warnings)
@@ -249,16 +249,19 @@ def remove(obj, slider):
     """Removes an arc with its keys and its slider; returns warnings."""
     arc = find(obj, slider)
     checks.require_unlocked([shape_keys.find(obj, name) for name in sliders.baked_keys(obj, slider)])
-    end, rerouted = arc.end, arc.reroute
+    start, end, rerouted = arc.start, arc.end, arc.reroute
     _remove_keys(obj, slider)
     warnings = []
     keys = obj.data.shape_keys
+    value = obj.get(slider)
     if rerouted and keys is not None and end in keys.key_blocks:
         path, back = sliders.data_path(slider), keys.key_blocks[end].path_from_id("value")
         left = animation.move(obj, path, keys, back)
         animation.redirect(obj, path, keys, back)
         if left:
             warnings.append(f"The animation of slider '{slider}' is not handed back: {left[0]}")
+    if keys is not None and {start, end} <= set(keys.key_blocks.keys()) and isinstance(value, float):
+        sliders.hand_back(value, keys.key_blocks[start], keys.key_blocks[end])
     images.take_away(obj, slider)
     if slider in obj:
         del obj[slider]
@@ -322,21 +325,3 @@ def _reroute(obj, end, arc):
     left = animation.move(keys, path, obj, to)
     animation.redirect(keys, path, obj, to)
     return [f"The animation of shape key '{end.name}' stays with it: {reason}" for reason in left]
-
-
-def _prepare(obj, start, end, slider):
-    """Start key on, end key off; the slider takes over how far the end key was on."""
-    warnings = []
-    for key, value in ((start, 1.0), (end, 0.0)):
-        if key == obj.data.shape_keys.reference_key:
-            continue
-        if key.lock_shape or shape_keys.is_driven(key):
-            warnings.append(f"Shape key '{key.name}' is driven or locked: set it to {value:.0f} yourself")
-            continue
-        if key == end and end.value:
-            obj[slider] = end.value
-            obj.update_tag()
-        key.value = value
-    if start.mute:
-        warnings.append(f"Shape key '{start.name}' is muted: the slider at 0 shows the mesh without it")
-    return warnings

@@ -244,6 +244,58 @@ def test_the_slider_takes_over_how_far_the_end_key_is_on(value, playback):
         obj["full arc"] = 0.75
 
 
+@pytest.mark.parametrize("playback", ["RELATIVE", "ABSOLUTE"])
+@pytest.mark.parametrize("seed", range(6))
+def test_bake_and_remove_keep_what_is_shown_and_all_that_is_not_the_arcs(seed, playback):
+    draw = np.random.default_rng(seed)
+    obj = keyed_tube(rings=4, around=6)
+    keys, rest = obj.data.shape_keys.key_blocks, scene.key_points(obj, "Basis")
+    for number in range(3):
+        scene.add_key(obj, f"key {number}", rest + draw.normal(size=3), slider_min=-1, slider_max=2)
+    start = draw.choice(["Basis", "half"])
+    if start == "half" and draw.uniform() < 0.5:
+        keys["full"].relative_key = keys["half"]
+        keys["half"].value = 1
+    for key in keys[3:]:
+        key.value, key.mute = draw.uniform(-1, 2), bool(draw.integers(2))
+        if playback == "ABSOLUTE":
+            key.value = 0
+        key.lock_shape = bool(draw.integers(2))
+    keys["full"].value = 1
+    obj.active_shape_key_index = int(draw.integers(len(keys)))
+
+    def state(*left_out):
+        chosen = obj.active_shape_key.name
+        return chosen, [row for row in scene.snapshot()["Tube"][4] if row[0] not in left_out]
+
+    seen, everything, others = scene.shown(obj), state(), state("half", "full")
+    bpy.ops.lissom.inbetween_bake(
+        object="Tube", start=start, end="full", count=3, playback=playback, slider="s"
+    )
+    bpy.context.view_layer.update()
+    assert obj["s"] == 1
+    assert_allclose(scene.shown(obj), seen, atol=1e-5)
+    made = [key.name for key in obj.lissom_inbetween.arcs["s"].keys]
+    assert state("half", "full", *made) == others
+    bpy.ops.lissom.inbetween_remove(object="Tube", slider="s")
+    bpy.context.view_layer.update()
+    assert state() == everything
+    assert_allclose(scene.shown(obj), seen, atol=1e-5)
+
+
+@pytest.mark.parametrize("value", [0.0, 0.25, 1.0])
+def test_a_slider_that_goes_leaves_its_value_to_the_end_key_unless_that_is_held(value):
+    obj = keyed_tube(rings=4, around=6)
+    full = obj.data.shape_keys.key_blocks["full"]
+    for locked in (False, True):
+        bpy.ops.lissom.inbetween_bake(object="Tube", end="full", slider="s")
+        slide(obj, "s", value)
+        full.lock_shape = locked
+        bpy.ops.lissom.inbetween_remove(object="Tube", slider="s")
+        assert full.value == (0 if locked else value)
+        full.value = 0
+
+
 @pytest.mark.parametrize("chosen", ["Basis", "half", "full", "full arc 50%", "late"])
 def test_the_chosen_key_stays_chosen(chosen):
     obj = keyed_tube()
