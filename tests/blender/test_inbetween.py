@@ -7,7 +7,7 @@ import lissom
 import numpy as np
 import pytest
 import scene
-from bl_ext.user_default.lissom.bridge import arcs, meshes
+from bl_ext.user_default.lissom.bridge import arcs, meshes, sliders
 from bl_ext.user_default.lissom.core import hat
 from bl_ext.user_default.lissom.core.inbetween import Asked
 from bl_ext.user_default.lissom.core.refused import Refused
@@ -306,9 +306,11 @@ def test_the_chosen_key_stays_chosen(chosen):
     assert obj.active_shape_key.name == ("full" if chosen.startswith("full") else chosen)
 
 
-def test_an_override_of_a_linked_character_keeps_its_slider(tmp_path):
-    obj = keyed_tube()
-    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=2, slider="old")
+@pytest.mark.parametrize("playback", ["RELATIVE", "ABSOLUTE"])
+def test_an_override_of_a_linked_character_plays_its_slider_set_driven_and_animated(tmp_path, playback):
+    obj = keyed_tube(rings=12, around=8)
+    path = native_path(obj, "Basis", "full")
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=COUNT, slider="old", playback=playback)
     bpy.ops.lissom.inbetween_rename(object="Tube", slider="old", name='"bend"')
     character = bpy.data.collections.new("Character")
     bpy.context.scene.collection.children.link(character)
@@ -322,12 +324,37 @@ def test_an_override_of_a_linked_character_keeps_its_slider(tmp_path):
     instance.instance_type, instance.instance_collection = "COLLECTION", wanted.collections[0]
     bpy.context.scene.collection.objects.link(instance)
     wanted.collections[0].override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
+
+    def opened_again():
+        bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+        bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
+        return _overridden()
+
+    at = sliders.data_path('"bend"')
     slide(_overridden(), '"bend"', 0.7)
-    posed = scene.shown(_overridden())
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
-    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
-    assert _overridden()['"bend"'] == pytest.approx(0.7)
-    assert_allclose(scene.shown(_overridden()), posed, atol=1e-6)
+    obj = opened_again()
+    assert obj['"bend"'] == pytest.approx(0.7)
+    assert_plays(obj, '"bend"', path)
+    driver = obj.driver_add(at).driver
+    driver.type = "SUM"
+    variable = driver.variables.new()
+    variable.type = "TRANSFORMS"
+    control = bpy.data.objects.new("control", None)
+    bpy.context.scene.collection.objects.link(control)
+    variable.targets[0].id, variable.targets[0].transform_type = control, "LOC_X"
+    obj = opened_again()
+    for knot in KNOTS:
+        bpy.data.objects["control"].location.x = knot
+        bpy.context.view_layer.update()
+        assert_allclose(scene.shown(obj), path.at([knot])[0], atol=1e-5)
+    obj.driver_remove(at)
+    for frame, knot in enumerate(KNOTS):
+        obj['"bend"'] = float(knot)
+        obj.keyframe_insert(at, frame=frame)
+    obj = opened_again()
+    for frame, knot in enumerate(KNOTS):
+        bpy.context.scene.frame_set(frame)
+        assert_allclose(scene.shown(obj), path.at([knot])[0], atol=1e-5)
 
 
 def _overridden():
