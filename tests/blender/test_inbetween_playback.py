@@ -298,6 +298,43 @@ def test_animation_beyond_the_ends_goes_on_straight(start, limits, playback, eas
         assert_allclose(scene.shown(obj), expected, atol=3e-5)
 
 
+@pytest.mark.parametrize("by", ["curve", "driver"])
+@pytest.mark.parametrize("playback", ["RELATIVE", "ABSOLUTE"])
+@pytest.mark.parametrize("limits", [(-0.5, 1.5), (0, 1), (0, 1.2), (-0.25, 1)])
+def test_values_beyond_the_end_keys_range_are_shown_as_the_key_itself_shows_them(limits, playback, by):
+    obj = keyed_tube(rings=4, around=6)
+    rest = scene.key_points(obj, "Basis")
+    full = obj.data.shape_keys.key_blocks["full"]
+    straight = rest + np.random.default_rng(4).normal(size=3)  # where the arc is the straight line
+    full.points.foreach_set("co", straight.astype(np.float32).ravel())
+    full.slider_min, full.slider_max = limits
+    values = np.linspace(-0.5, 1.5, 9)
+    if by == "driver":
+        control(obj, factor=1)
+        obj["control"] = 0.0
+        for frame, value in enumerate(values):
+            obj["control"] = float(value)
+            obj.keyframe_insert('["control"]', frame=frame)
+    else:
+        full.slider_min, full.slider_max = -1, 2
+        for frame, value in enumerate(values):
+            full.value = value
+            full.keyframe_insert("value", frame=frame)
+        full.slider_min, full.slider_max = limits
+
+    def played():
+        for frame in range(len(values)):
+            bpy.context.scene.frame_set(frame)
+            yield scene.shown(obj)
+
+    before = [*played()]
+    assert np.ptp(before, axis=0).max() > 0.5
+    bake(count=3, playback=playback)
+    assert_allclose([*played()], before, atol=2e-5)
+    bpy.ops.lissom.inbetween_remove(object="Tube", slider="full arc")
+    assert_allclose([*played()], before, atol=2e-5)
+
+
 def test_animation_that_others_use_too_stays_and_is_said():
     obj = keyed_tube()
     keys = obj.data.shape_keys
