@@ -431,6 +431,29 @@ def shown_alone(obj, name):
     return positions
 
 
+@pytest.mark.parametrize("playback", ["RELATIVE", "ABSOLUTE"])
+@pytest.mark.parametrize("seed", range(4))
+def test_an_arc_goes_through_what_is_seen_of_masked_keys(seed, playback):
+    draw = np.random.default_rng(seed)
+    obj = keyed_tube(rings=12, around=8)
+    keys, rest = obj.data.shape_keys.key_blocks, scene.key_points(obj, "Basis")
+    scene.add_key(obj, "swerve", bend(rest, 1.6) + [0, 1, 0])
+    for name in draw.choice(["half", "swerve", "full"], size=2, replace=False):
+        soft = np.clip(rest @ draw.normal(size=3) + draw.uniform(), 0, 1)
+        made = obj.vertex_groups.new(name=f"mask of {name}")
+        for vertex in np.flatnonzero(soft):
+            made.add([int(vertex)], soft[vertex], "REPLACE")
+        keys[name].vertex_group = made.name
+    times = {"half": 0.3, "swerve": 0.7, "full": 1.0}
+    seen = {name: shown_alone(obj, name) for name in times}
+    bpy.ops.lissom.inbetween_bake(
+        object="Tube", end="full", through="half: 0.3, swerve: 0.7", count=3, playback=playback, slider="s"
+    )
+    for name, at in times.items():
+        slide(obj, "s", at)
+        assert_allclose(scene.shown(obj), seen[name], atol=1e-5)
+
+
 @pytest.mark.parametrize("start", ["", "half"])
 def test_row_33_both_ends_are_as_they_are_seen(start):
     obj = keyed_tube()
