@@ -260,7 +260,7 @@ def remove(obj, slider):
         animation.redirect(obj, path, keys, back)
         if left:
             warnings.append(f"The animation of slider '{slider}' is not handed back: {left[0]}")
-    if keys is not None and {start, end} <= set(keys.key_blocks.keys()) and isinstance(value, float):
+    if keys is not None and {start, end} <= set(keys.key_blocks.keys()) and isinstance(value, (int, float)):
         sliders.hand_back(value, keys.key_blocks[start], keys.key_blocks[end])
     images.take_away(obj, slider)
     if slider in obj:

@@ -283,7 +283,7 @@ def test_bake_and_remove_keep_what_is_shown_and_all_that_is_not_the_arcs(seed, p
     assert_allclose(scene.shown(obj), seen, atol=1e-5)
 
 
-@pytest.mark.parametrize("value", [0.0, 0.25, 1.0])
+@pytest.mark.parametrize("value", [0.0, 0.25, 1.0, 1])
 def test_a_slider_that_goes_leaves_its_value_to_the_end_key_unless_that_is_held(value):
     obj = keyed_tube(rings=4, around=6)
     full = obj.data.shape_keys.key_blocks["full"]
