@@ -254,7 +254,9 @@ class Windowed:
 def test_an_option_of_another_method_is_refused():
     obj = scene.bound_tube()
     bpy.ops.lissom.pose_unbind(object=obj.name)
-    with scene.refused("'arap' has no option k_s; it has cells, rotation_smoothing, smoothness, constraints"):
+    with scene.refused(
+        "'arap' has no option k_s; it has cells, rotation_smoothing, smoothness, solid, constraints"
+    ):
         bpy.ops.lissom.pose_bind(object=obj.name, k_s=2.0)
     with scene.refused("'multiresolution' has no option k_s; it has smoothing, details, base, border"):
         bpy.ops.lissom.pose_bind(object=obj.name, method="multiresolution", k_s=2.0)
