@@ -23,6 +23,13 @@ def curve(block, path):
     return curves.find(path) if curves is not None else None
 
 
+def driven_by(block, path, source, source_path):
+    """True where the driver of a property of an ID reads a property of another."""
+    found = driver(block, path)
+    variables = found.driver.variables if found is not None else ()
+    return any(_reads(variable, source, source_path) for variable in variables)
+
+
 def in_nla(block, path):
     """True where a strip of non-linear animation moves the property."""
     data = block.animation_data

@@ -22,9 +22,11 @@ from ..core import inbetween as core_inbetween
 from ..core.easing import EASINGS
 from ..core.inbetween import Asked, path_work
 from ..core.refused import Refused, first
-from . import animation, checks, meshes, mirrors, shape_keys, sliders
+from . import animation, checks, images, meshes, mirrors, shape_keys, sliders
 
-SECOND = 100.0  # the evaluation time that an absolute arc takes, in Blender's frames of shape keys
+# The evaluation time that an absolute arc takes. Blender puts a new key 10 behind the last one unless a key,
+# this one too, is within 0.1 of the time asked for: hat.NEAREST must be more, and the last key is made first.
+DURATION = 2000.0
 GAP = 10.0  # between the last key and the first of the arc, as Blender itself spaces them
 
 
@@ -176,7 +178,8 @@ class Baking:
         write = self._write_absolute if self.asked.playback == "ABSOLUTE" else self._write_relative
         warnings += write(obj, arc, start, end, knots, shapes)
         if self.asked.prepare_keys:
-            warnings += _prepare(obj, start, end, arc.name)
+            warnings += sliders.take_over(obj, arc.name, start, end)
+        warnings += images.lay_again(obj, arc)
         warnings += filter(None, [checks.shared_data(obj)])
         arc.warnings = "\n".join(warnings)
         return len(arc.keys), warnings
@@ -195,17 +198,18 @@ class Baking:
     def _write_absolute(self, obj, arc, start, end, knots, shapes):
         keys = obj.data.shape_keys
         others = [key.name for key in keys.key_blocks if key not in (keys.reference_key, start, end)]
-        offset = max(key.frame for key in keys.key_blocks) + GAP - SECOND * knots[0]
+        offset = max(key.frame for key in keys.key_blocks) + GAP - DURATION * knots[0]
         keys.use_relative = False
-        for knot, shape in zip(knots, shapes, strict=True):
-            keys.eval_time = offset + SECOND * knot  # where Blender puts a new absolute key
+        for knot, shape in reversed(list(zip(knots, shapes, strict=True))):
+            keys.eval_time = offset + DURATION * knot  # where Blender puts a new absolute key
             self._key(obj, arc, knot, shape, shape_keys.Settings()).interpolation = "KEY_LINEAR"
+            arc.keys.move(len(arc.keys) - 1, 0)
         curve = EASINGS[self.asked.easing]
         times = np.unique([knots[0], 0.0, 1.0, knots[-1]])
         slopes = curve.slope(np.clip(times, 0.0, 1.0))
-        before = SECOND * np.where((times <= 0) | (times > 1), 1.0, slopes)
-        after = SECOND * np.where((times < 0) | (times >= 1), 1.0, slopes)
-        corners = easing.bezier(times, offset + SECOND * times, before, after)
+        before = DURATION * np.where((times <= 0) | (times > 1), 1.0, slopes)
+        after = DURATION * np.where((times < 0) | (times >= 1), 1.0, slopes)
+        corners = easing.bezier(times, offset + DURATION * times, before, after)
         sliders.drive(keys, "eval_time", obj, arc.name, corners)
         if not others:
             return []
@@ -245,16 +249,20 @@ def remove(obj, slider):
     """Removes an arc with its keys and its slider; returns warnings."""
     arc = find(obj, slider)
     checks.require_unlocked([shape_keys.find(obj, name) for name in sliders.baked_keys(obj, slider)])
-    end, rerouted = arc.end, arc.reroute
+    start, end, rerouted = arc.start, arc.end, arc.reroute
     _remove_keys(obj, slider)
     warnings = []
     keys = obj.data.shape_keys
+    value = obj.get(slider)
     if rerouted and keys is not None and end in keys.key_blocks:
         path, back = sliders.data_path(slider), keys.key_blocks[end].path_from_id("value")
         left = animation.move(obj, path, keys, back)
         animation.redirect(obj, path, keys, back)
         if left:
             warnings.append(f"The animation of slider '{slider}' is not handed back: {left[0]}")
+    if keys is not None and {start, end} <= set(keys.key_blocks.keys()) and isinstance(value, (int, float)):
+        sliders.hand_back(value, keys.key_blocks[start], keys.key_blocks[end])
+    images.take_away(obj, slider)
     if slider in obj:
         del obj[slider]
     orphans = sliders.driven_keys(obj, slider)
@@ -317,21 +325,3 @@ def _reroute(obj, end, arc):
     left = animation.move(keys, path, obj, to)
     animation.redirect(keys, path, obj, to)
     return [f"The animation of shape key '{end.name}' stays with it: {reason}" for reason in left]
-
-
-def _prepare(obj, start, end, slider):
-    """Start key on, end key off; the slider takes over how far the end key was on."""
-    warnings = []
-    for key, value in ((start, 1.0), (end, 0.0)):
-        if key == obj.data.shape_keys.reference_key:
-            continue
-        if key.lock_shape or shape_keys.is_driven(key):
-            warnings.append(f"Shape key '{key.name}' is driven or locked: set it to {value:.0f} yourself")
-            continue
-        if key == end and end.value:
-            obj[slider] = end.value
-            obj.update_tag()
-        key.value = value
-    if start.mute:
-        warnings.append(f"Shape key '{start.name}' is muted: the slider at 0 shows the mesh without it")
-    return warnings

@@ -13,9 +13,10 @@ import numpy as np
 from ..core import easing
 from ..core.easing import EASINGS
 from ..core.refused import Refused
-from . import meshes, shape_keys, sliders
+from . import animation, meshes, shape_keys, sliders
 
-UV, SECOND_UV = "Image", "Second Image"
+UV, SECOND_UV = "Image", "Second Image"  # UV maps, and the nodes with the images
+DISSOLVE = 'nodes["Dissolve"].outputs[0].default_value'
 
 
 def find(name, path=""):
@@ -70,33 +71,66 @@ def lay(obj, image, arc):
 
     A second UV map has the places of the end key in that image, the material shows both.
     """
-    mesh = obj.data
-    first = mesh.uv_layers.get(UV)
     texture = _image_of(obj)
-    if first is None or texture is None:
+    if obj.data.uv_layers.get(UV) is None or texture is None:
         raise Refused(f"'{obj.name}' is no mesh of an image: make one by Image Mesh first")
+    tree = _own_material(obj).node_tree
+    _second(tree, texture, image)
+    return _follow(obj, tree, arc)
+
+
+def lay_again(obj, arc):
+    """Has the second image, where the arc's slider dissolves into one, follow an arc that was baked anew."""
+    warnings = []
+    for tree in _dissolving(obj, arc.name):
+        warnings += _follow(obj, tree, arc)
+    return warnings
+
+
+def take_away(obj, slider):
+    """Leaves the first image alone where the slider that dissolves into the second is gone."""
+    for tree in _dissolving(obj, slider):
+        tree.driver_remove(DISSOLVE)
+        _alone(tree, tree.nodes[UV].image)
+        second = obj.data.uv_layers.get(SECOND_UV)
+        if second is not None:
+            obj.data.uv_layers.remove(second)
+
+
+def _dissolving(obj, slider):
+    """Node trees of the object's materials whose dissolve this slider drives."""
+    trees = {slot.material.node_tree for slot in obj.material_slots if slot.material}
+    return [
+        tree
+        for tree in filter(None, trees)
+        if {UV, SECOND_UV} <= set(tree.nodes.keys())
+        and animation.driven_by(tree, DISSOLVE, obj, sliders.data_path(slider))
+    ]
+
+
+def _follow(obj, tree, arc):
+    """Second UV map and dissolve, by the end key and the easing of an arc; returns warnings."""
+    mesh, first, second = obj.data, tree.nodes[UV].image, tree.nodes[SECOND_UV].image
+    if mesh.uv_layers.get(UV) is None or first is None or second is None:
+        return []
     uv = np.empty(2 * len(mesh.loops), dtype=np.float32)
-    first.data.foreach_get("uv", uv)
-    corners = meshes.corners(mesh)
-    rest = meshes.rest_positions(mesh)[corners]
+    mesh.uv_layers[UV].data.foreach_get("uv", uv)
+    rest = meshes.rest_positions(mesh)[meshes.corners(mesh)]
     # The image's place on the plane: an affine map that the first UVs give away.
     known = np.column_stack([rest[:, :2], np.ones(len(rest))])
     to_uv = np.linalg.lstsq(known, uv.reshape(-1, 2), rcond=None)[0]
     posed = shape_keys.seen(obj, shape_keys.find(obj, arc.end))
-    sizes = np.array(texture.size, dtype=np.float64) / np.array(image.size)
-    second = 0.5 + ((np.column_stack([posed[:, :2], np.ones(len(posed))]) @ to_uv) - 0.5) * sizes
-    _set_uv(mesh, SECOND_UV, second)
-    tree = _own_material(obj).node_tree
-    _second(tree, texture, image)
-    value = tree.nodes["Dissolve"].outputs[0]
+    sizes = np.array(first.size, dtype=np.float64) / np.array(second.size)
+    places = 0.5 + ((np.column_stack([posed[:, :2], np.ones(len(posed))]) @ to_uv) - 0.5) * sizes
+    _set_uv(mesh, SECOND_UV, places)
     curve = EASINGS[arc.easing]
     ends = np.array([0.0, 1.0])
     shape = easing.bezier(ends, ends, curve.slope(ends), curve.slope(ends))
-    sliders.drive(value, "default_value", obj, arc.name, shape)
-    outside = np.flatnonzero(((second < 0) | (second > 1)).any(1))
+    sliders.drive(tree, DISSOLVE, obj, arc.name, shape)
+    outside = np.flatnonzero(((places < 0) | (places > 1)).any(1))
     if not len(outside):
         return []
-    return [f"{len(outside)} vertices lie beyond '{image.name}' at the end: they fade out"]
+    return [f"{len(outside)} vertices lie beyond '{second.name}' at the end: they fade out"]
 
 
 def _set_uv(mesh, name, uv):
@@ -126,12 +160,17 @@ def _material(image):
     if material.node_tree is None:  # before 5.0
         material.use_nodes = True
     material.surface_render_method = "BLENDED"
-    nodes, links = material.node_tree.nodes, material.node_tree.links
+    _alone(material.node_tree, image)
+    return material
+
+
+def _alone(tree, image):
+    """One drawing in place of what the material had."""
+    nodes, links = tree.nodes, tree.links
     nodes.clear()
     output = nodes.new("ShaderNodeOutputMaterial")
     output.location = (300, 0)
-    links.new(_drawn(material.node_tree, UV, image, 0), output.inputs["Surface"])
-    return material
+    links.new(_drawn(tree, UV, image, 0), output.inputs["Surface"])
 
 
 def _second(tree, first, image):

@@ -57,6 +57,7 @@ def play_cache(obj, name, path, first, step):
     if modifier is None or modifier.type != "MESH_CACHE":
         modifier = obj.modifiers.new(name, "MESH_CACHE")
         obj.modifiers.move(len(obj.modifiers) - 1, 0)
+    modifier.show_viewport = modifier.show_render = True
     modifier.cache_format = "PC2"
     modifier.filepath = path
     modifier.factor = 1.0

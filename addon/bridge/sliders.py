@@ -3,6 +3,7 @@
 import bpy
 
 from ..core.refused import Refused
+from . import shape_keys
 
 STRETCH = 1000  # of the time axis of a driver's curve
 
@@ -60,6 +61,38 @@ def drive(block, path, obj, slider, corners):
     driver.expression = f"{STRETCH} * slider"
     variable.targets[0].id = obj
     variable.targets[0].data_path = data_path(slider)
+
+
+def take_over(obj, slider, start, end):
+    """Start key on, end key off; the slider takes over how far the end key was on. Returns warnings."""
+    warnings = []
+    for key, value in ((start, 1.0), (end, 0.0)):
+        if key == obj.data.shape_keys.reference_key:
+            continue
+        if _held(key):
+            warnings.append(f"Shape key '{key.name}' is driven or locked: set it to {value:.0f} yourself")
+            continue
+        if key == end and end.value:
+            obj[slider] = end.value
+            obj.update_tag()
+        key.value = value
+    if start.mute:
+        warnings.append(f"Shape key '{start.name}' is muted: the slider at 0 shows the mesh without it")
+    return warnings
+
+
+def hand_back(value, start, end):
+    """The end key on as far as the slider was and the start key by the rest, where the slider took over."""
+    own_start = start != start.id_data.reference_key
+    if end.value or _held(end) or (own_start and (start.value != 1 or _held(start))):
+        return
+    end.value = value
+    if own_start and end.relative_key != start:
+        start.value = 1 - end.value
+
+
+def _held(key):
+    return key.lock_shape or shape_keys.is_driven(key)
 
 
 def driven_keys(obj, slider, owners=None):

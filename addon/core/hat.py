@@ -17,10 +17,12 @@ def uniform_knots(count):
 
 
 def spread(knots, fixed):
-    """``fixed``, 0, 1, and of ``knots`` those farther than ``NEAREST`` from these; in rising order."""
-    fixed = np.union1d(fixed, [0.0, 1.0])
-    apart = np.abs(np.subtract.outer(knots, fixed)).min(axis=1) > NEAREST
-    return np.union1d(np.asarray(knots)[apart], fixed)
+    """``fixed``, 0, 1, and of ``knots`` those farther than ``NEAREST`` from all before; in rising order."""
+    kept = np.union1d(fixed, [0.0, 1.0])
+    for knot in knots:
+        if np.abs(kept - knot).min() > NEAREST:
+            kept = np.append(kept, knot)
+    return np.sort(kept)
 
 
 def beyond(knots, shapes, least, most):

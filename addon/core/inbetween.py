@@ -91,11 +91,14 @@ def path_work(mesh, start, end, asked, obstacle=None, through=(), mirrors=mirror
             if not np.array_equal(vertices, last):
                 options |= {"clearance_end": last}
         path = yield lissom.start_inbetween(lissom.Mesh(*mesh), start, end, **options)
-        knots, said = hat.spread(hat.uniform_knots(asked.count), [time for time, _ in through]), []
+        knots, said, times = hat.uniform_knots(asked.count), [], [time for time, _ in through]
         search = asked.start_knots(path)
         if search is not None:
             found = yield search
-            knots, said = found.times, found.warnings
+            knots, said = found.times, list(found.warnings)
+        wanted, knots = len(knots), hat.spread(knots, times)
+        if search is not None and len(knots) < wanted:
+            said.append("Keys closer to another than the slider tells apart are left out")
         shapes = yield path.start_at(knots)
         return Sampled(knots, shapes, [*path.warnings, *said])
 

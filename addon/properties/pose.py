@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import (
     BoolProperty,
+    BoolVectorProperty,
     CollectionProperty,
     EnumProperty,
     FloatProperty,
@@ -165,6 +166,7 @@ class LissomBakedKey(bpy.types.PropertyGroup):
     """A shape key that Bake made, by name."""
 
     name: StringProperty()
+    muted: BoolProperty(options={"HIDDEN"}, description="The artist had muted it before Bind")
 
 
 class LissomPose(bpy.types.PropertyGroup):
@@ -202,6 +204,9 @@ class LissomPose(bpy.types.PropertyGroup):
     bake_path: StringProperty(name="Cache File", description=BAKE_PATH, subtype="FILE_PATH")
     baked: CollectionProperty(type=LissomBakedKey)
     baked_cache: StringProperty(options={"HIDDEN"}, description="Name of the modifier that plays the cache")
+    cache_hidden: BoolVectorProperty(
+        size=2, options={"HIDDEN"}, description="The artist had hidden it before Bind: viewport, render"
+    )
     # Written by Bind.
     bound: BoolProperty(options={"HIDDEN"})
     preview: StringProperty(options={"HIDDEN"}, description="Name of the shape key that shows the pose")

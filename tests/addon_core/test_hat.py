@@ -74,8 +74,8 @@ def test_uniform_knots_count_the_in_betweens_only():
 def test_knots_give_way_to_those_that_are_fixed():
     draw = np.random.default_rng(5).uniform(size=(40, 3))
     for fixed in np.round(draw, 4):
-        for count in (1, 9, 99):
-            knots = hat.uniform_knots(count)
+        crowd = np.sort(np.random.default_rng(6).uniform(0, 2e-3, 40))
+        for knots in (*map(hat.uniform_knots, (1, 9, 99)), crowd):
             found = hat.spread(knots, fixed)
             assert set(fixed) | {0.0, 1.0} <= set(found)
             if np.diff(np.unique(fixed)).min() > hat.NEAREST:

@@ -39,7 +39,7 @@ def test_her_blink_closes_by_25_markers_at_most_and_the_rims_of_her_lids(demo):
     rest = scene.vertices(eyes)
     blinks = ("eyeBlink_L", "eyeBlink_R")
     suzanne.transfer(skin, head, eyes, blinks)
-    assert len(suzanne.markers.load(str(suzanne.MARKERS)).pairs) <= 25
+    assert len(suzanne.marker_file.load(str(suzanne.MARKERS)).pairs) <= 25
     assert suzanne.visible(head, eyes) > 0.4
     # Measured 0.03; by the markers alone, without the curves of the lids, 0.09.
     for key in blinks:

@@ -125,6 +125,55 @@ def test_the_dissolve_follows_a_renamed_slider_and_is_the_objects_own():
     assert dissolve(obj) == pytest.approx(0.25, abs=1e-3)
 
 
+def drivers(obj):
+    data = obj.active_material.node_tree.animation_data
+    return list(data.drivers) if data else []
+
+
+@pytest.mark.parametrize("reroute", [True, False])
+@pytest.mark.parametrize("end_goes", [True, False])
+@pytest.mark.parametrize("playback", ["RELATIVE", "ABSOLUTE"])
+def test_an_arc_that_is_removed_leaves_no_dissolve_without_a_slider(playback, end_goes, reroute):
+    drawn()
+    drawn("Other")
+    obj = made(edge=6.0)
+    bend(obj)
+    bpy.ops.lissom.inbetween_bake(object=obj.name, end="bent", slider="s", playback=playback, reroute=reroute)
+    bpy.ops.lissom.inbetween_second_image(object=obj.name, image="Other")
+    slide(obj, "s", 0.75)
+    assert dissolve(obj) == pytest.approx(0.75, abs=1e-3)
+    if end_goes:
+        obj.shape_key_remove(obj.data.shape_keys.key_blocks["bent"])
+    bpy.ops.lissom.inbetween_remove(object=obj.name, slider="s")
+    if reroute and not end_goes:  # the end key has the dissolve back with what else the slider played
+        obj.data.shape_keys.key_blocks["bent"].value = 0.25
+        bpy.context.view_layer.update()
+        assert dissolve(obj) == pytest.approx(0.25, abs=1e-3)
+        bpy.ops.lissom.inbetween_bake(object=obj.name, end="bent", slider="again")
+        assert dissolve(obj) == pytest.approx(0.25, abs=1e-3)
+        return
+    assert not drivers(obj)
+    assert obj.data.uv_layers.keys() == ["Image"]
+    nodes = obj.active_material.node_tree.nodes
+    assert "Dissolve" not in nodes and nodes["Image"].image == bpy.data.images["Drawing"]
+
+
+def test_an_arc_that_is_baked_anew_takes_the_second_image_along():
+    drawn()
+    drawn("Other")
+    obj = made(edge=6.0)
+    bend(obj)
+    asked = {"object": obj.name, "end": "bent", "slider": "s"}
+    bpy.ops.lissom.inbetween_bake(**asked)
+    bpy.ops.lissom.inbetween_second_image(object=obj.name, image="Other")
+    moved = scene.key_points(obj, "bent") * [0.9, 0.8, 1]
+    obj.data.shape_keys.key_blocks["bent"].points.foreach_set("co", moved.astype(np.float32).ravel())
+    bpy.ops.lissom.inbetween_bake(**asked, easing="SMOOTH")
+    slide(obj, "s", 0.25)
+    assert dissolve(obj) == pytest.approx(0.25**2 * 2.5, abs=1e-3)
+    assert_allclose(uv_of_vertices(obj, "Second Image"), moved[:, :2] * 40 / (WIDTH, HEIGHT) + 0.5, atol=1e-5)
+
+
 def test_a_second_image_of_another_size_lies_on_the_middle_of_the_first():
     drawn()
     drawn("Small", size=(60, 40), bar=(5, 55, 15, 25))

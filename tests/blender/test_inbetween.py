@@ -7,7 +7,7 @@ import lissom
 import numpy as np
 import pytest
 import scene
-from bl_ext.user_default.lissom.bridge import arcs, meshes
+from bl_ext.user_default.lissom.bridge import arcs, meshes, sliders
 from bl_ext.user_default.lissom.core import hat
 from bl_ext.user_default.lissom.core.inbetween import Asked
 from bl_ext.user_default.lissom.core.refused import Refused
@@ -244,6 +244,58 @@ def test_the_slider_takes_over_how_far_the_end_key_is_on(value, playback):
         obj["full arc"] = 0.75
 
 
+@pytest.mark.parametrize("playback", ["RELATIVE", "ABSOLUTE"])
+@pytest.mark.parametrize("seed", range(6))
+def test_bake_and_remove_keep_what_is_shown_and_all_that_is_not_the_arcs(seed, playback):
+    draw = np.random.default_rng(seed)
+    obj = keyed_tube(rings=4, around=6)
+    keys, rest = obj.data.shape_keys.key_blocks, scene.key_points(obj, "Basis")
+    for number in range(3):
+        scene.add_key(obj, f"key {number}", rest + draw.normal(size=3), slider_min=-1, slider_max=2)
+    start = draw.choice(["Basis", "half"])
+    if start == "half" and draw.uniform() < 0.5:
+        keys["full"].relative_key = keys["half"]
+        keys["half"].value = 1
+    for key in keys[3:]:
+        key.value, key.mute = draw.uniform(-1, 2), bool(draw.integers(2))
+        if playback == "ABSOLUTE":
+            key.value = 0
+        key.lock_shape = bool(draw.integers(2))
+    keys["full"].value = 1
+    obj.active_shape_key_index = int(draw.integers(len(keys)))
+
+    def state(*left_out):
+        chosen = obj.active_shape_key.name
+        return chosen, [row for row in scene.snapshot()["Tube"][4] if row[0] not in left_out]
+
+    seen, everything, others = scene.shown(obj), state(), state("half", "full")
+    bpy.ops.lissom.inbetween_bake(
+        object="Tube", start=start, end="full", count=3, playback=playback, slider="s"
+    )
+    bpy.context.view_layer.update()
+    assert obj["s"] == 1
+    assert_allclose(scene.shown(obj), seen, atol=1e-5)
+    made = [key.name for key in obj.lissom_inbetween.arcs["s"].keys]
+    assert state("half", "full", *made) == others
+    bpy.ops.lissom.inbetween_remove(object="Tube", slider="s")
+    bpy.context.view_layer.update()
+    assert state() == everything
+    assert_allclose(scene.shown(obj), seen, atol=1e-5)
+
+
+@pytest.mark.parametrize("value", [0.0, 0.25, 1.0, 1])
+def test_a_slider_that_goes_leaves_its_value_to_the_end_key_unless_that_is_held(value):
+    obj = keyed_tube(rings=4, around=6)
+    full = obj.data.shape_keys.key_blocks["full"]
+    for locked in (False, True):
+        bpy.ops.lissom.inbetween_bake(object="Tube", end="full", slider="s")
+        slide(obj, "s", value)
+        full.lock_shape = locked
+        bpy.ops.lissom.inbetween_remove(object="Tube", slider="s")
+        assert full.value == (0 if locked else value)
+        full.value = 0
+
+
 @pytest.mark.parametrize("chosen", ["Basis", "half", "full", "full arc 50%", "late"])
 def test_the_chosen_key_stays_chosen(chosen):
     obj = keyed_tube()
@@ -254,9 +306,11 @@ def test_the_chosen_key_stays_chosen(chosen):
     assert obj.active_shape_key.name == ("full" if chosen.startswith("full") else chosen)
 
 
-def test_an_override_of_a_linked_character_keeps_its_slider(tmp_path):
-    obj = keyed_tube()
-    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=2, slider="old")
+@pytest.mark.parametrize("playback", ["RELATIVE", "ABSOLUTE"])
+def test_an_override_of_a_linked_character_plays_its_slider_set_driven_and_animated(tmp_path, playback):
+    obj = keyed_tube(rings=12, around=8)
+    path = native_path(obj, "Basis", "full")
+    bpy.ops.lissom.inbetween_bake(object="Tube", end="full", count=COUNT, slider="old", playback=playback)
     bpy.ops.lissom.inbetween_rename(object="Tube", slider="old", name='"bend"')
     character = bpy.data.collections.new("Character")
     bpy.context.scene.collection.children.link(character)
@@ -270,12 +324,37 @@ def test_an_override_of_a_linked_character_keeps_its_slider(tmp_path):
     instance.instance_type, instance.instance_collection = "COLLECTION", wanted.collections[0]
     bpy.context.scene.collection.objects.link(instance)
     wanted.collections[0].override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
+
+    def opened_again():
+        bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+        bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
+        return _overridden()
+
+    at = sliders.data_path('"bend"')
     slide(_overridden(), '"bend"', 0.7)
-    posed = scene.shown(_overridden())
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
-    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
-    assert _overridden()['"bend"'] == pytest.approx(0.7)
-    assert_allclose(scene.shown(_overridden()), posed, atol=1e-6)
+    obj = opened_again()
+    assert obj['"bend"'] == pytest.approx(0.7)
+    assert_plays(obj, '"bend"', path)
+    driver = obj.driver_add(at).driver
+    driver.type = "SUM"
+    variable = driver.variables.new()
+    variable.type = "TRANSFORMS"
+    control = bpy.data.objects.new("control", None)
+    bpy.context.scene.collection.objects.link(control)
+    variable.targets[0].id, variable.targets[0].transform_type = control, "LOC_X"
+    obj = opened_again()
+    for knot in KNOTS:
+        bpy.data.objects["control"].location.x = knot
+        bpy.context.view_layer.update()
+        assert_allclose(scene.shown(obj), path.at([knot])[0], atol=1e-5)
+    obj.driver_remove(at)
+    for frame, knot in enumerate(KNOTS):
+        obj['"bend"'] = float(knot)
+        obj.keyframe_insert(at, frame=frame)
+    obj = opened_again()
+    for frame, knot in enumerate(KNOTS):
+        bpy.context.scene.frame_set(frame)
+        assert_allclose(scene.shown(obj), path.at([knot])[0], atol=1e-5)
 
 
 def _overridden():
@@ -350,6 +429,29 @@ def shown_alone(obj, name):
     for key in keys:
         key.value = values[key.name]
     return positions
+
+
+@pytest.mark.parametrize("playback", ["RELATIVE", "ABSOLUTE"])
+@pytest.mark.parametrize("seed", range(4))
+def test_an_arc_goes_through_what_is_seen_of_masked_keys(seed, playback):
+    draw = np.random.default_rng(seed)
+    obj = keyed_tube(rings=12, around=8)
+    keys, rest = obj.data.shape_keys.key_blocks, scene.key_points(obj, "Basis")
+    scene.add_key(obj, "swerve", bend(rest, 1.6) + [0, 1, 0])
+    for name in draw.choice(["half", "swerve", "full"], size=2, replace=False):
+        soft = np.clip(rest @ draw.normal(size=3) + draw.uniform(), 0, 1)
+        made = obj.vertex_groups.new(name=f"mask of {name}")
+        for vertex in np.flatnonzero(soft):
+            made.add([int(vertex)], soft[vertex], "REPLACE")
+        keys[name].vertex_group = made.name
+    times = {"half": 0.3, "swerve": 0.7, "full": 1.0}
+    seen = {name: shown_alone(obj, name) for name in times}
+    bpy.ops.lissom.inbetween_bake(
+        object="Tube", end="full", through="half: 0.3, swerve: 0.7", count=3, playback=playback, slider="s"
+    )
+    for name, at in times.items():
+        slide(obj, "s", at)
+        assert_allclose(scene.shown(obj), seen[name], atol=1e-5)
 
 
 @pytest.mark.parametrize("start", ["", "half"])

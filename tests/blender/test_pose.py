@@ -11,7 +11,7 @@ import scene
 from bl_ext.user_default.lissom import live, rebind, session
 from bl_ext.user_default.lissom.bridge import meshes, poses
 from bl_ext.user_default.lissom.core.refused import Refused
-from mathutils import Euler, Matrix
+from mathutils import Euler, Matrix, Vector
 from numpy.testing import assert_allclose, assert_array_equal
 
 TURN = Matrix.Translation((0.7, -1.2, 0.4)) @ Euler((0.5, -1.1, 2.0)).to_matrix().to_4x4()
@@ -254,7 +254,9 @@ class Windowed:
 def test_an_option_of_another_method_is_refused():
     obj = scene.bound_tube()
     bpy.ops.lissom.pose_unbind(object=obj.name)
-    with scene.refused("'arap' has no option k_s; it has cells, rotation_smoothing, smoothness, constraints"):
+    with scene.refused(
+        "'arap' has no option k_s; it has cells, rotation_smoothing, smoothness, solid, constraints"
+    ):
         bpy.ops.lissom.pose_bind(object=obj.name, k_s=2.0)
     with scene.refused("'multiresolution' has no option k_s; it has smoothing, details, base, border"):
         bpy.ops.lissom.pose_bind(object=obj.name, method="multiresolution", k_s=2.0)
@@ -432,6 +434,72 @@ def test_bind_and_unbind_leave_the_chosen_key_chosen(chosen):
     bpy.ops.lissom.pose_bind(object=obj.name)
     bpy.ops.lissom.pose_unbind(object=obj.name)
     assert obj.active_shape_key_index == chosen
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_bind_apply_and_unbind_leave_other_keys_as_they_were(seed):
+    draw = np.random.default_rng(seed)
+    obj = scene.tube(rings=12, around=8)
+    rest = scene.points(obj.data.vertices)
+    for number in range(4):
+        key = scene.add_key(obj, f"key {number}", rest + draw.normal(size=3), slider_min=-1, slider_max=2)
+        key.value, key.mute = draw.uniform(-1, 2), bool(draw.integers(2))
+    keys = obj.data.shape_keys.key_blocks
+    keys["key 3"].relative_key = keys["key 1"]
+    obj.active_shape_key_index = int(draw.integers(len(keys)))
+
+    def state():
+        made = (PREVIEW, "Mine")
+        rows = [row for row in scene.snapshot()["Tube"][4] if row[0] not in made]
+        return obj.active_shape_key.name, rows
+
+    before, seen = state(), scene.shown(obj)
+    for name, sign in (("bottom", -1), ("top", 1)):
+        scene.group(obj, name, lambda co, sign=sign: sign * co.z > 2.5)
+        bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group=name)
+    for _ in range(2):
+        bpy.ops.lissom.pose_bind(object=obj.name)
+        assert state() == before
+        assert_allclose(scene.shown(obj), seen, atol=1e-6)
+        scene.empty(obj, "top").location += Vector(draw.normal(size=3))
+        bpy.context.view_layer.update()
+        bpy.ops.lissom.pose_apply(object=obj.name, name="Mine", exists="UPDATE")
+        assert state() == before
+        keys["Mine"].value = 0.0
+        bpy.ops.lissom.pose_unbind(object=obj.name)
+        bpy.context.view_layer.update()
+        assert state() == before
+        assert_allclose(scene.shown(obj), seen, atol=1e-6)
+
+
+@pytest.mark.parametrize("mute", [False, True])
+def test_what_the_artist_muted_of_a_baked_motion_stays_muted(mute):
+    obj = scene.bound_tube(rings=12, around=8)
+    bpy.context.scene.frame_end = 2
+    bpy.ops.lissom.pose_bake(object=obj.name)
+    keys = obj.data.shape_keys.key_blocks
+    keys[-1].mute = mute
+    bpy.ops.lissom.pose_bind(object=obj.name)
+    assert keys[1].mute and keys[2].mute
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    assert (keys[1].mute, keys[2].mute) == (False, mute)
+
+
+@pytest.mark.parametrize("hidden", [(False, False), (True, False), (False, True)])
+def test_a_cache_that_the_artist_hid_stays_hidden_until_it_is_baked_again(hidden, tmp_path):
+    obj = scene.bound_tube(rings=12, around=8)
+    bpy.context.scene.frame_end = 2
+    cache = {"object": obj.name, "output": "CACHE", "filepath": str(tmp_path / "motion.pc2")}
+    bpy.ops.lissom.pose_bake(**cache)
+    modifier = obj.modifiers[0]
+    modifier.show_viewport, modifier.show_render = (not one for one in hidden)
+    bpy.ops.lissom.pose_bind(object=obj.name)
+    assert not modifier.show_viewport and not modifier.show_render
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    assert (not modifier.show_viewport, not modifier.show_render) == hidden
+    bpy.ops.lissom.pose_bind(object=obj.name)
+    bpy.ops.lissom.pose_bake(**cache)
+    assert obj.modifiers[0].show_viewport and obj.modifiers[0].show_render
 
 
 def test_unbind_keeps_applied_poses_and_other_keys():
