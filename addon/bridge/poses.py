@@ -44,13 +44,12 @@ def asked(settings):
     def value(owner, name):
         return getattr(getattr(options, owner), name)
 
-    base = options.multiresolution.base
-    return Asked.of(settings.method, base, settings.use_weights, settings.weld, value, settings.symmetry)
+    return Asked.of(settings, options.multiresolution.base, value)
 
 
 def keep(settings, asked):
     """Writes method and options into the settings of an object, from which the file restores the pose."""
-    for name in ("method", "use_weights", "weld", "symmetry"):
+    for name in ("method", "use_weights", "weld", "symmetry", "stays", "reach"):
         setattr(settings, name, getattr(asked, name))
     for owner, name in options_of(asked.method, asked.options.get("base")):
         setattr(getattr(settings.options, owner), name, asked.options[name])

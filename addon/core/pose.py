@@ -5,6 +5,7 @@ from typing import NamedTuple
 import lissom
 import numpy as np
 
+from . import stays
 from .mirrors import NONE
 from .refused import Refused, first
 from .turns import UNTURNED, nearest_rotations, rotation_vectors
@@ -59,16 +60,21 @@ def bind_work(vertices, triangles, corners, handles, weights, roi, asked, mirror
     """
 
     def steps():
+        mesh = lissom.Mesh(vertices, triangles, weld=0.0 if asked.weld else None)
+        region, known = roi, asked
+        if roi is None and len(handles) == 1:
+            region, reach = stays.moving(mesh, triangles, handles[0], asked.stays, asked.reach)
+            known = asked._replace(reach=reach)
         pose = yield lissom.start_pose(
-            lissom.Mesh(vertices, triangles, weld=0.0 if asked.weld else None),
+            mesh,
             handles,
-            roi=roi,
+            roi=region,
             method=asked.method,
             handle_weights=weights if asked.use_weights else None,
             **asked.options,
             **mirrors.pose(vertices),
         )
-        return BoundPose(pose, vertices, corners, len(handles), asked, mirrors)
+        return BoundPose(pose, vertices, corners, len(handles), known, mirrors)
 
     return Work(steps())
 

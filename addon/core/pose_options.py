@@ -28,6 +28,7 @@ _LABELS = {
         "constraints": {"label": "Handles", "labels": {"hard": "Exact", "soft": "Soft"}},
         "weight": {"label": "Pull", "low": 1e-4, "high": 1e4, "soft_high": 10.0},
         "preserve_volume": {"label": "Keep Volume"},
+        "unheld": {"label": "Loose Parts", "labels": {"follow": "Follow", "rest": "Rest"}},
     },
     "laplacian": {"weights": _WEIGHTS},
     "laplacian_fitted": {
@@ -95,16 +96,31 @@ class Asked(NamedTuple):
     options: dict
     use_weights: bool
     weld: bool
-    symmetry: str = "OFF"
+    stays: str
+    reach: float
+    symmetry: str
 
     @classmethod
-    def of(cls, method, base, use_weights, weld, value, symmetry="OFF"):
-        """``value(owner, name)`` looks an option up; numbers become the decimals that float32 stands for."""
+    def of(cls, settings, base, value):
+        """``settings`` has what is no option of lissom.Pose, ``value(owner, name)`` looks such an option up.
+
+        Numbers become the decimals that float32 stands for.
+        """
         options = {}
-        for owner, name in options_of(method, base):
-            given = value(owner, name)
-            options[name] = float(str(np.float32(given))) if isinstance(given, float) else given
-        return cls(method, options, use_weights, weld, symmetry)
+        for owner, name in options_of(settings.method, base):
+            options[name] = _decimal(value(owner, name))
+        own = (
+            settings.use_weights,
+            settings.weld,
+            settings.stays,
+            _decimal(settings.reach),
+            settings.symmetry,
+        )
+        return cls(settings.method, options, *own)
+
+
+def _decimal(value):
+    return float(str(np.float32(value))) if isinstance(value, float) else value
 
 
 def by_name():

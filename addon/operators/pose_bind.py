@@ -10,7 +10,14 @@ from ..core.pose_options import Asked, by_name, options_of
 from ..core.refused import Refused, first
 from ..panels.common import draw_options, split_column
 from ..properties.options import iterations_property, option_property
-from ..properties.pose import METHOD_ITEMS, symmetry_property, use_weights_property, weld_property
+from ..properties.pose import (
+    METHOD_ITEMS,
+    reach_property,
+    stays_property,
+    symmetry_property,
+    use_weights_property,
+    weld_property,
+)
 from .job import JobOperator, allowed, answering, shown_object, writable_mesh
 from .pose_handles import OBJECT
 
@@ -35,11 +42,7 @@ class _Options:
         for (_, name), option in wanted.items():
             if name not in given:
                 setattr(self, name, option.default)
-
-        def value(_, name):
-            return getattr(self, name)
-
-        return Asked.of(self.method, self.base, self.use_weights, self.weld, value, self.symmetry)
+        return Asked.of(self, self.base, lambda _, name: getattr(self, name))
 
     def draw(self, context):
         column = split_column(self.layout)
@@ -47,6 +50,8 @@ class _Options:
         draw_options(column, self.method, self.base, lambda _: self)
         column.prop(self, "use_weights")
         column.prop(self, "weld")
+        column.prop(self, "stays")
+        column.prop(self, "reach")
         column.prop(self, "symmetry")
 
 
@@ -66,6 +71,8 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
     )
     use_weights: use_weights_property(options={"SKIP_SAVE"})
     weld: weld_property(options={"SKIP_SAVE"})
+    stays: stays_property(options={"SKIP_SAVE"})
+    reach: reach_property(options={"SKIP_SAVE"})
     symmetry: symmetry_property(options={"SKIP_SAVE"})
 
     @classmethod

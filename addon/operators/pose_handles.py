@@ -77,6 +77,7 @@ class LISSOM_OT_pose_handle_add(bpy.types.Operator):
         handle.name = name
         handle.empty = empty
         obj.lissom_pose.active_handle = len(handles) - 1
+        obj.lissom_pose.property_unset("reach")
 
 
 class LISSOM_OT_pose_handle_remove(bpy.types.Operator):
@@ -109,6 +110,7 @@ class LISSOM_OT_pose_handle_remove(bpy.types.Operator):
             bpy.data.objects.remove(empty)
         settings.handles.remove(index)
         settings.active_handle = max(0, min(settings.active_handle, len(settings.handles) - 1))
+        settings.property_unset("reach")
 
 
 class LISSOM_OT_pose_handle_select(bpy.types.Operator):

@@ -119,6 +119,11 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
             remove.handle = settings.handles[active].name
         if 0 <= active < len(settings.handles):
             column.prop(settings.handles[active], "turns_by_itself")
+        if len(settings.handles) == 1 and not settings.roi:
+            column = split_column(column)
+            column.prop(settings, "stays", text="What stays?")
+            if settings.stays == "FAR":
+                column.prop(settings, "reach")
 
     def _draw_method(self, layout, settings):
         column = split_column(layout)

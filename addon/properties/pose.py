@@ -5,6 +5,7 @@ from bpy.props import (
     BoolProperty,
     CollectionProperty,
     EnumProperty,
+    FloatProperty,
     FloatVectorProperty,
     IntProperty,
     PointerProperty,
@@ -15,10 +16,12 @@ from .. import live, rebind
 from ..bridge.applied import PROBES
 from ..core.mirrors import SYMMETRIES
 from ..core.pose_options import METHODS, OPTIONS
+from ..core.stays import STAYS
 from .options import option_property
 
 # The table's place is what a file stores.
 METHOD_ITEMS = [(*item, number) for number, item in enumerate(METHODS)]
+STAY_ITEMS = [(*item, number) for number, item in enumerate(STAYS)]
 
 BAKE_ITEMS = [
     (
@@ -61,6 +64,30 @@ def weld_property(**also):
         description="Vertices in the very same place move as one, as at the seams of an imported mesh; "
         "the mesh itself keeps them all",
         default=False,
+        **also,
+    )
+
+
+def stays_property(**also):
+    """What else is held where one handle is all that holds a mesh."""
+    return EnumProperty(
+        name="What Stays",
+        description="What stays in its place while the only handle moves, where no region says so",
+        items=STAY_ITEMS,
+        default="FAR",
+        **also,
+    )
+
+
+def reach_property(**also):
+    """From where on a mesh is far from its only handle."""
+    return FloatProperty(
+        name="Beyond",
+        description="Distance from the handle, along the mesh, beyond which everything stays. "
+        "0: Bind chooses one by the size of the handle",
+        default=0.0,
+        min=0.0,
+        subtype="DISTANCE",
         **also,
     )
 
@@ -159,6 +186,8 @@ class LissomPose(bpy.types.PropertyGroup):
     options: PointerProperty(type=LissomPoseOptions)
     use_weights: use_weights_property(update=_changed)
     weld: weld_property(update=_changed)
+    stays: stays_property(update=_changed)
+    reach: reach_property(update=_changed)
     symmetry: symmetry_property(update=_changed)
     live: BoolProperty(
         name="Live",

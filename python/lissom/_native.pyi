@@ -97,6 +97,12 @@ class Mesh:
     @property
     def warnings(self) -> list[str]:
         """What was mended or is doubtful."""
+    def edge_distances(self, vertices: ArrayLike) -> NDArray[np.float64]:
+        """(n,): how far each vertex is from the nearest of `vertices`, (k,) indices, along edges.
+
+        In the mesh's own units; inf where no edges lead (Dijkstra 1959). Raises InvalidConstraint for no
+        vertices and for indices out of range.
+        """
 
 @final
 class Pose:

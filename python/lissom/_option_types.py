@@ -17,6 +17,8 @@ class PoseOptions(TypedDict, total=False):
     """How strongly soft handles pull: more holds them closer."""
     preserve_volume: bool
     """Closed components keep the volume that they have at rest."""
+    unheld: Literal["follow", "rest"]
+    """What parts without a handle do, such as eyes, teeth and buttons."""
     mirror: Sequence[tuple[ArrayLike, ArrayLike]] | None
     """Planes, each (point, normal), that complete a half mesh by its mirror image, with the same handles:
     vertices on them stay on them."""

@@ -69,8 +69,8 @@ class Pose:
 
     mesh: a Mesh.
     handles: list of (k,) vertex index arrays, one per handle.
-    roi: (k,) indices of the vertices that may move; None for all. Vertices outside it, and components
-        without a handle, stay at rest.
+    roi: (k,) indices of the vertices that may move; None for all. Vertices outside it stay at rest;
+        components without a handle, and vertices in no face, do as the option `unheld` says.
     method: one of POSE_METHODS.
     handle_weights: list of one (k,) array per handle, or None, of how much each of its vertices belongs to
         it, above 0 and at most 1.

@@ -1,5 +1,7 @@
 """The table of pose options against lissom.Pose, which says by its errors what it takes."""
 
+from types import SimpleNamespace
+
 import lissom
 import numpy as np
 import pytest
@@ -14,6 +16,9 @@ VERTICES, TRIANGLES = shapes.prism(rows=20, columns=12)
 VERTICES[:, 1:] *= 1 + 0.1 * np.sin(
     [3, 5] * VERTICES[:, [0, 0]]
 )  # bumpy, and closed, so that it has a volume
+# A loose part beside it, that no handle holds.
+TRIANGLES = np.vstack([TRIANGLES, len(VERTICES) + np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])])
+VERTICES = np.vstack([VERTICES, (3, 0.6, 0) + 0.1 * np.vstack([np.zeros(3), np.eye(3)])])
 TURN = shapes.rigid([0.3, 1.0, 0.2], 1.1, [0.4, -0.2, 0.3]) @ np.diag([1.2, 1.2, 1.2, 1.0])
 
 
@@ -123,6 +128,12 @@ def test_options_of_one_name_differ_in_nothing_but_their_default():
 
 
 def test_what_single_precision_has_kept_is_the_decimal_that_was_meant():
-    asked = Asked.of("laplacian", "", False, False, lambda owner, name: float(np.float32(0.2)))
-    assert asked.options == {"weights": 0.2, "constraints": 0.2, "weight": 0.2, "preserve_volume": 0.2}
+    single = float(np.float32(0.2))
+    settings = SimpleNamespace(
+        method="laplacian", use_weights=False, weld=False, stays="FAR", reach=single, symmetry="OFF"
+    )
+    asked = Asked.of(settings, "", lambda owner, name: single)
+    names = {name for _, name in options_of("laplacian", "")}
+    assert asked.options == dict.fromkeys(names, 0.2)
+    assert asked.reach == 0.2
     assert float(np.float32(0.2)) != 0.2

@@ -132,12 +132,17 @@ def test_pose_before_and_after_bind(panels):
             "method": "arap",
             "use_weights": False,
             "weld": False,
+            "stays": "FAR",
+            "reach": 0.0,
+            "symmetry": "OFF",
             "cells": "spokes_and_rims",
             "rotation_smoothing": 0.001,
             "smoothness": 0.0,
+            "solid": False,
             "constraints": "hard",
             "weight": 1.0,
             "preserve_volume": False,
+            "unheld": "follow",
         }
     ]
     assert "lissom.pose_apply" not in free["operators"]
@@ -158,7 +163,8 @@ def test_the_options_are_those_of_the_chosen_method_and_no_others(panels, method
     assert [name for name in drawn["settings"] if name in by_name()] == shown
     assert not any(name in by_name() for name in draw(panels["pose"], closed=True)["settings"])
     (given,) = drawn["operators"]["lissom.pose_bind"]
-    assert given == {"object": "Tube", "method": method, "use_weights": False, "weld": False} | {
+    own = {"use_weights": False, "weld": False, "stays": "FAR", "reach": 0.0, "symmetry": "OFF"}
+    assert given == {"object": "Tube", "method": method} | own | {
         name: option.default for (_, name), option in wanted.items()
     } | ({"base": base} if method == "multiresolution" else {})
     (line,) = (line for name, _, line in METHODS if name == method)
@@ -186,8 +192,25 @@ def test_the_redo_panel_shows_the_options_of_the_method():
         constraints="hard",
     )
     bpy.types.LISSOM_OT_pose_bind.draw(operator, bpy.context)
-    shown = ["method", "k_s", "k_b", "border", "constraints", "preserve_volume", "use_weights", "weld"]
-    assert drawn["settings"] == shown
+    shown = ["method", "k_s", "k_b", "border", "constraints", "preserve_volume", "unheld"]
+    assert drawn["settings"] == [*shown, "use_weights", "weld", "stays", "reach", "symmetry"]
+
+
+def test_one_handle_alone_is_asked_what_stays(panels):
+    obj = scene.tube()
+    settings = obj.lissom_pose
+    for number, name in enumerate(("top", "bottom", "region")):
+        scene.group(obj, name, lambda co, number=number: co.z > 2.5 - number)
+        if name != "region":
+            bpy.ops.lissom.pose_handle_add(object="Tube", vertex_group=name)
+        assert ("What stays?" in text(draw(panels["pose"]))) == (number == 0)
+    bpy.ops.lissom.pose_handle_remove(object="Tube", handle="bottom")
+    drawn = draw(panels["pose"])
+    assert "stays" in drawn["settings"] and "reach" in drawn["settings"]
+    settings.stays = "NOTHING"
+    assert "reach" not in draw(panels["pose"])["settings"]
+    settings.roi = "region"
+    assert "stays" not in draw(panels["pose"])["settings"]
 
 
 def test_pose_of_an_active_handle_is_that_of_its_mesh(panels):

@@ -164,7 +164,7 @@ def test_row_11_zero_has_two_signs():
 
 def test_row_12_isolated_vertices_are_named():
     m = mesh(np.concatenate([VERTICES, [[9, 9, 9], [8, 8, 8]]]))
-    assert any(f"in no face, kept at rest (at {N}, {N + 1}; 2 in all)" in w for w in m.warnings)
+    assert any(f"in no face (at {N}, {N + 1}; 2 in all)" in w for w in m.warnings)
 
 
 def test_row_13_an_edge_with_three_faces():
@@ -201,7 +201,7 @@ def test_row_19_no_handle_or_an_empty_one(handles, text):
 def test_row_21_a_component_without_handle():
     m = mesh(np.concatenate([VERTICES, VERTICES + 10]), np.concatenate([FACES, FACES + N]))
     p = pose(m=m)
-    assert any("without a handle stay at rest" in w and "1 in all" in w for w in p.warnings)
+    assert any("without a handle follow the nearest surface" in w and "1 in all" in w for w in p.warnings)
     assert any("without a handle" in w for w in bent(p).report["warnings"])
 
 

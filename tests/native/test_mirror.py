@@ -232,15 +232,29 @@ def test_what_buckles_stays_symmetric_through_many_moves():
     assert np.abs(two[back][: len(vertices)] - one).max() < 1e-3
 
 
-def test_loose_parts_and_regions_are_as_without_a_mirror():
+@pytest.mark.parametrize("unheld", ["rest", "follow"])
+def test_loose_parts_are_as_without_a_mirror(unheld):
     vertices, faces, handles, motions = scene(0)
-    ball = vertices * 0.1 + [3, 0, 0]
-    both = np.concatenate([vertices, ball]), np.concatenate([faces, faces + len(vertices)])
+    n = len(vertices)
+    on_plane, apart = vertices * 0.1 + [0, 0, 1.2], vertices * 0.1 + [3, 0, 0]
+    points = np.concatenate([vertices, on_plane, apart])
+    triangles = np.concatenate([faces + k * n for k in range(3)])
     plain, mirror = (
-        lissom.Pose(lissom.Mesh(*both), handles, **options) for options in ({}, {"mirror": [(ORIGIN, X)]})
+        lissom.Pose(lissom.Mesh(points, triangles), handles, unheld=unheld, **options)
+        for options in ({}, {"mirror": [(ORIGIN, X)]})
     )
     assert plain.warnings == mirror.warnings and len(mirror.warnings) == 1
-    assert np.array_equal(mirror.solve(motions).vertices[len(vertices) :], ball)
+    found = mirror.solve(motions).vertices[n:].reshape(2, n, 3)
+    for posed, rest in zip(found, (on_plane, apart), strict=True):
+        sides = [x[faces] - x[np.roll(faces, 1, axis=1)] for x in (posed, rest)]
+        assert np.allclose(*(np.linalg.norm(edges, axis=2) for edges in sides), atol=1e-9)
+        assert np.array_equal(posed, rest) == (unheld == "rest")
+    seam = on_plane[:, 0] == 0
+    assert seam.any() and (found[0][seam, 0] == 0).all()
+
+
+def test_regions_are_as_without_a_mirror():
+    vertices, faces, handles, motions = scene(0)
     roi = np.flatnonzero(vertices[:, 0] > 0.4)
     pose = lissom.Pose(lissom.Mesh(vertices, faces), handles[1:], roi=roi, mirror=[(ORIGIN, X)])
     rest = np.setdiff1d(np.arange(len(vertices)), roi)
@@ -369,3 +383,26 @@ def test_bad_handles_are_refused_as_without_a_mirror():
         with pytest.raises(lissom.InvalidConstraint) as mirror:
             lissom.Pose(mesh, handles, roi=roi, mirror=[(ORIGIN, X)])
         assert str(plain.value) == str(mirror.value)
+
+
+@METHODS
+@SEEDS
+def test_handles_that_turn_by_themselves_turn_as_those_of_the_whole(method, seed):
+    vertices, faces, handles, (still, motion) = scene(seed)
+    centre = vertices[handles[1]].mean(axis=0)
+    shifted = np.eye(4)
+    shifted[:3, 3] = moved(motion, centre) - centre
+    half = lissom.Pose(lissom.Mesh(vertices, faces), handles, method=method, mirror=[(ORIGIN, X)])
+    posed = half.solve([still, shifted], by_itself=[0, 1], max_iterations=3000, tolerance=1e-11)
+    points, triangles, image = completed(vertices, faces)
+    low = np.union1d(handles[0], image[handles[0]])
+    whole = lissom.Pose(lissom.Mesh(points, triangles), [low, handles[1], image[handles[1]]], method=method)
+    goal = [still, shifted, across(shifted)]
+    expected = whole.solve(goal, by_itself=[0, 1, 2], max_iterations=3000, tolerance=1e-11)
+    size = diagonal(points)
+    assert (posed.vertices[vertices[:, 0] == 0, 0] == 0).all()
+    assert len(posed.transforms) == 2
+    assert np.abs(posed.transforms[0][0, 1:3]).max() < 1e-14
+    # Clusters of triangles are not symmetric, and the whole's turns are not quite.
+    assert np.abs(posed.transforms[1] - expected.transforms[1]).max() < 2e-3
+    assert np.abs(posed.vertices - expected.vertices[: len(vertices)]).max() < 1e-3 * size

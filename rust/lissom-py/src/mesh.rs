@@ -54,6 +54,15 @@ impl PyMesh {
         self.0.components().count()
     }
 
+    /// (n,) float64: how far each vertex is from the nearest of `vertices`, (k,) indices, along edges, in the mesh's
+    /// own units; inf where no edges lead. Raises InvalidConstraint for no vertices and indices out of range.
+    fn edge_distances(&self, py: Python<'_>, vertices: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
+        let sources = arrays::vertex_list("vertices", vertices)?;
+        let mesh = self.0.clone();
+        let work = move |_: &Job| mesh.edge_distances(&sources);
+        PyJob::start(work, |py, distances| Ok(arrays::from_numbers(py, distances)))?.result(py)
+    }
+
     /// list of str: what was mended or is doubtful.
     #[getter]
     fn warnings(&self) -> &[String] {

@@ -12,7 +12,7 @@ const LAYERS: [&[&str]; 8] = [
     &["job", "memory", "geometry"],
     &["mesh", "linear"],
     &["options", "symmetry"],
-    &["operators"],
+    &["operators", "riding"],
     &["stitch"],
     &["pose", "transfer", "inbetween", "image"],
 ];

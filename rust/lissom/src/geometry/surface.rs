@@ -73,6 +73,11 @@ impl Surface {
         self.nearest(point, reach, |t| Some(self.project(t, point)))
     }
 
+    /// The same on triangles that are accepted.
+    pub fn closest_point_on(&self, point: Vec3, reach: f64, accept: impl Fn(usize) -> bool) -> Option<Hit> {
+        self.nearest(point, reach, |t| accept(t).then(|| self.project(t, point)))
+    }
+
     /// The nearest point where the surface faces the way of `normal`; `None` where nothing does.
     pub fn closest_compatible_point(&self, point: Vec3, normal: Vec3) -> Option<Hit> {
         self.closest_compatible_point_on(point, normal, f64::INFINITY, |_| true)

@@ -116,7 +116,9 @@ impl Blend {
             };
             (0..shapes[0].len()).map(at).collect()
         };
-        let targets = [Targets { stretched, changes, line: sum(&self.shapes.unit), offsets: Vec::new() }];
+        let shares = [&[1.0 - weights.iter().sum::<f64>()], weights].concat();
+        let targets =
+            [Targets { stretched, changes, line: sum(&self.shapes.unit), shares, offsets: Vec::new() }];
         let y = self.shapes.stitch(&targets, self.refinement, |t| self.turning[t], job)?.remove(0);
         let x: Vec<Vec3> =
             sum(&self.shapes.given).iter().zip(y).map(|(&x, y)| x + y * self.shapes.scale).collect();

@@ -22,34 +22,32 @@
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
+use super::neighbours::{GENTLE, Neighbours, TIE, distance};
 use super::rotations::TriangleMotion;
 use super::turn::{Turn, is_half, sided_log};
-use crate::geometry::groups::Groups;
-use crate::geometry::rows::Rows;
-use crate::matrix::norm_squared;
-use crate::{Job, Mat3, Mesh, Result, Vec3, rotation};
-
-/// `|R - R'|_F^2` of 60 degrees: neighbours that turn apart by less are of one region. Between 45 and
-/// 90 degrees there is little to choose on the poses of a cat with crumpled joints.
-const GENTLE: f64 = 2.0;
+use crate::{Job, Mat3, Result, Vec3, rotation};
 
 /// Regions of fewer triangles are not trusted with a turn of their own; 16 and 64 do alike.
 const REGION: u32 = 16;
 
-/// `|R - R'|_F^2` of a right angle; neighbours that turn apart by more fold over each other.
-const RIGHT_ANGLE: f64 = 4.0;
-
 /// Rotation vectors whose sum is at least this share of their lengths' sum are about one axis; those of crumples are not.
 const ONE_AXIS: f64 = 0.8;
 
-/// Dual edges to a triangle without a rotation come after all others: `|R - R'|_F^2` is at most 8.
-const LAST: f64 = 9.0;
-
-/// Weights, and squared angles, that differ by less are equal but for rounding.
-const TIE: f64 = 1e-9;
+/// What was chosen, and from where.
+#[derive(Debug, Default)]
+pub(super) struct Branches {
+    pub turns: Vec<Turn>,
+    /// Triangles that the others' turns were chosen from.
+    pub roots: Vec<u32>,
+    /// From the hosts of parts that ride to these, where the walk entered them.
+    pub links: Vec<[u32; 2]>,
+    /// Roots that might as well turn the other way.
+    pub halves: Vec<u32>,
+}
 
 /// Each triangle by the least angle, whatever its neighbours do.
 pub(super) fn shortest(motions: &[TriangleMotion], drift: impl Fn(usize) -> Vec3 + Sync) -> Vec<Turn> {
@@ -64,15 +62,16 @@ pub(super) fn shortest(motions: &[TriangleMotion], drift: impl Fn(usize) -> Vec3
 /// `moved` counts the vertices of each triangle that move. Triangles at rest are the roots. A
 /// component without any starts from the triangle that turns least: of those held by most vertices,
 /// since a whole turn looks like none, and of those outside crumples. Triangles without a rotation
-/// take their neighbour's. `drift` is how far the component of a triangle goes. With the turns come the roots, and
-/// those of them that might as well turn the other way.
+/// take their neighbour's. `drift` is how far the component of a triangle goes. `links` lead to triangles of parts that
+/// ride, from those that they sit on, hosts first: such parts are entered last, each by its gentlest links.
 pub(super) fn consistent(
     neighbours: &Neighbours,
     motions: &[TriangleMotion],
     moved: &[u8],
+    links: &[[u32; 2]],
     drift: impl Fn(usize) -> Vec3,
     job: &Job,
-) -> Result<(Vec<Turn>, Vec<u32>, Vec<u32>)> {
+) -> Result<Branches> {
     let mut walk = Walk {
         neighbours,
         motions,
@@ -86,9 +85,11 @@ pub(super) fn consistent(
     queue.extend(at_rest.map(|t| Reverse((0u64, t, t))));
     walk.run(&mut queue, job)?;
 
+    let mut rides = vec![false; motions.len()];
+    links.iter().for_each(|&[t, _]| rides[t as usize] = true);
     let mut roots: Vec<(bool, u8, bool, u64, u32)> = (0u32..)
         .zip(motions)
-        .filter(|(t, _)| walk.turns[*t as usize].is_none())
+        .filter(|(t, _)| walk.turns[*t as usize].is_none() && !rides[*t as usize])
         .map(|(t, m)| {
             let least = m.rotation().map(|r| distance(r, Mat3::IDENTITY).to_bits());
             let crumple = walk.sizes[t as usize] < REGION;
@@ -122,10 +123,34 @@ pub(super) fn consistent(
         }
         walk.run(&mut queue, job)?;
     }
-    let mut turns: Vec<Turn> = walk.turns.into_iter().map(|turn| turn.unwrap_or(Turn::NONE)).collect();
+    let mut turns = settled(neighbours, motions, &walk.turns);
+    let links = neighbours.gentlest(motions, links);
+    if !links.is_empty() {
+        let seen = walk.turns.iter().map(Option::is_some);
+        walk.turns = seen.zip(turns).map(|(seen, turn)| seen.then_some(turn)).collect();
+        for links in &links {
+            let turn = |host: u32| walk.turns[host as usize].unwrap_or(Turn::NONE);
+            let way = turn(links[0][0]).omega();
+            for &[host, triangle] in links {
+                // Equal rotations may be whole turns apart.
+                if turn(host).omega().distance(way) < PI {
+                    walk.handed_on[host as usize] = turn(host);
+                    queue.push(Reverse((0, triangle, host)));
+                }
+            }
+            walk.run(&mut queue, job)?;
+        }
+        turns = settled(neighbours, motions, &walk.turns);
+    }
+    Ok(Branches { turns, roots: walk.roots, links: links.concat(), halves })
+}
+
+/// The turns of a walk, with those that do not pay dropped and axes shared.
+fn settled(neighbours: &Neighbours, motions: &[TriangleMotion], walked: &[Option<Turn>]) -> Vec<Turn> {
+    let mut turns: Vec<Turn> = walked.iter().map(|turn| turn.unwrap_or(Turn::NONE)).collect();
     drop_unpaid(neighbours, motions, &mut turns);
     share_axes(neighbours, motions, &mut turns);
-    Ok((turns, walk.roots, halves))
+    turns
 }
 
 /// A walk in progress.
@@ -242,79 +267,18 @@ fn share_axes(neighbours: &Neighbours, motions: &[TriangleMotion], turns: &mut [
     }
 }
 
-/// `|a - b|_F^2 = 8 sin^2(angle / 2)` between rotations: grows with the angle between them.
-fn distance(a: Mat3, b: Mat3) -> f64 {
-    norm_squared(a - b)
-}
-
-/// The dual graph: of each triangle, those across its edges, each with its weight as the bits of a number that is
-/// not negative (they sort alike).
-pub(super) struct Neighbours(Rows<(u64, u32)>);
-
-impl Neighbours {
-    pub fn of(mesh: &Mesh, motions: &[TriangleMotion]) -> Self {
-        Self::joining(&mesh.adjacency().triangle_pairs().collect::<Vec<_>>(), motions)
-    }
-
-    fn joining(pairs: &[[u32; 2]], motions: &[TriangleMotion]) -> Self {
-        let joined = pairs.iter().flat_map(|&[a, b]| {
-            let weight = match [a, b].map(|t| motions[t as usize].rotation()) {
-                [Some(r), Some(s)] => distance(r, s),
-                _ => LAST,
-            };
-            [(a, (weight.to_bits(), b)), (b, (weight.to_bits(), a))]
-        });
-        Self(Rows::sort(motions.len(), joined.collect::<Vec<_>>().into_iter()))
-    }
-
-    /// Triangles that fold over more than half of their neighbours, or turn over in a flat sheet.
-    pub fn inverted(&self, motions: &[TriangleMotion]) -> impl Iterator<Item = usize> {
-        let folds = |weight: f64| weight > RIGHT_ANGLE && weight < LAST;
-        (0..motions.len()).filter(move |&t| {
-            let beside = self.of_triangle(t as u32);
-            let folded = beside.iter().filter(|(weight, _)| folds(f64::from_bits(*weight))).count();
-            motions[t] == TriangleMotion::Inverted || 2 * folded > beside.len()
-        })
-    }
-
-    /// For each triangle, how many are joined to it by gentle steps.
-    fn region_sizes(&self) -> Vec<u32> {
-        let mut sizes = vec![0; self.0.count()];
-        for region in self.patches(|_, _, weight| weight < GENTLE).iter() {
-            for &t in region {
-                sizes[t as usize] = region.len() as u32;
-            }
-        }
-        sizes
-    }
-
-    /// Triangles in groups that `joined(triangle, neighbour, weight)` holds together.
-    fn patches(&self, joined: impl Fn(usize, usize, f64) -> bool) -> Rows<u32> {
-        let pairs = self.0.iter().enumerate().flat_map(|(t, beside)| {
-            let joined = &joined;
-            let held = beside.iter().filter(move |&&(w, s)| joined(t, s as usize, f64::from_bits(w)));
-            held.map(move |&(_, s)| [t as u32, s])
-        });
-        Groups::joining(self.0.count(), pairs).members()
-    }
-
-    fn of_triangle(&self, t: u32) -> &[(u64, u32)] {
-        self.0.of(t as usize)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     /// Turns about z of triangles whose rotations are by `degrees`, the first of them at rest.
-    fn walked(degrees: &[f64], pairs: &[[u32; 2]]) -> Vec<f64> {
+    fn walked(degrees: &[f64], pairs: &[[u32; 2]], links: &[[u32; 2]]) -> Vec<f64> {
         let turn = |d: &f64| TriangleMotion::Turns(rotation::exp(Vec3::Z * d.to_radians()));
         let motions: Vec<TriangleMotion> = degrees.iter().map(turn).collect();
         let moved: Vec<u8> = (0..motions.len()).map(|t| if t == 0 { 0 } else { 3 }).collect();
         let neighbours = Neighbours::joining(pairs, &motions);
-        let (turns, ..) = consistent(&neighbours, &motions, &moved, |_| Vec3::ZERO, &Job::default()).unwrap();
-        turns.iter().map(|turn| turn.omega().z.to_degrees().round()).collect()
+        let found = consistent(&neighbours, &motions, &moved, links, |_| Vec3::ZERO, &Job::default());
+        found.unwrap().turns.iter().map(|turn| turn.omega().z.to_degrees().round()).collect()
     }
 
     fn chain(count: usize) -> Vec<[u32; 2]> {
@@ -324,14 +288,26 @@ mod tests {
     #[test]
     fn gentle_steps_make_a_whole_turn() {
         let degrees: Vec<f64> = (0..=16).map(|k| 45.0 * f64::from(k)).collect();
-        assert_eq!(walked(&degrees, &chain(17)), degrees);
+        assert_eq!(walked(&degrees, &chain(17), &[]), degrees);
+    }
+
+    #[test]
+    fn what_rides_takes_the_branch_of_its_host() {
+        // A part that sits on the last of the host, and one that sits on that part.
+        let host: Vec<f64> = (0..=16).map(|k| 45.0 * f64::from(k)).collect();
+        let degrees = [host, vec![730.0, 740.0], vec![690.0, 690.0]].concat();
+        let pairs = [chain(17), vec![[17, 18], [19, 20]]].concat();
+        let links = [[17, 16], [18, 16], [19, 18], [20, 18]];
+        assert_eq!(walked(&degrees, &pairs, &links), degrees);
+        // By themselves they take the short way.
+        assert_eq!(walked(&degrees, &pairs, &[])[17..], [10.0, 20.0, -30.0, -30.0]);
     }
 
     #[test]
     fn a_crumple_between_two_regions_makes_none() {
         let crumple: Vec<f64> = (1..5).map(|k| 72.0 * f64::from(k)).collect();
         let degrees = [vec![0.0; 20], crumple, vec![0.0; 20]].concat();
-        let found = walked(&degrees, &chain(44));
+        let found = walked(&degrees, &chain(44), &[]);
         assert_eq!((found[20], found[43]), (72.0, 0.0), "{found:?}");
     }
 
@@ -342,9 +318,9 @@ mod tests {
         let degrees = [vec![0.0; 20], way, vec![-61.0; 20]].concat();
         let mut pairs = chain(45);
         pairs.extend((0..20).map(|t| [t, t + 25]));
-        let found = walked(&degrees, &pairs);
+        let found = walked(&degrees, &pairs, &[]);
         assert!(found[25..].iter().all(|&d| d == -61.0), "{found:?}");
         // Without the border the way round is all there is.
-        assert!(walked(&degrees, &chain(45))[25..].iter().all(|&d| d == 299.0));
+        assert!(walked(&degrees, &chain(45), &[])[25..].iter().all(|&d| d == 299.0));
     }
 }

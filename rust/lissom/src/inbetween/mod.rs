@@ -27,6 +27,7 @@
 //! |---|---|
 //! | `rotations` | `R_t`: the polar decomposition of each triangle's gradient |
 //! | `turn` | one rotation over time: its axis, whole turns, half a turn |
+//! | `neighbours` | the dual graph: how far triangles turn against those beside them |
 //! | `branches` | `R_t(t)`: which logarithm of `R_t`, so that neighbours turn together |
 //! | `relative` | `R_t(t)` from the rotations between neighbours instead |
 //! | `stretch` | `S(t)`: in equal steps or by equal factors |
@@ -34,22 +35,26 @@
 //! | `refit` | rotations fitted to the shape that came out |
 //! | `path` | `x(t)`: all of these at a time |
 //! | `screw` | where components go that nothing holds |
+//! | `riders` | and those that sit on others: with them |
 //! | `volume`, `clearance` | the volume kept, an obstacle respected |
 //! | `keyframes` | the fewest times between which a straight line will do |
 //! | `route` | a path through several shapes |
 //! | `blend` | several shapes at once |
 //!
 //! Vertices in the same place at both ends stay there exactly, those that single precision moves go straight;
-//! a connected component without such a vertex turns about the axis of its rigid motion (`screw`).
+//! a connected component without such a vertex turns about the axis of its rigid motion (`screw`), or rides on a larger
+//! one that it keeps its place on (`riders`).
 
 mod blend;
 mod branches;
 mod clearance;
 mod keyframes;
+mod neighbours;
 mod options;
 mod path;
 mod refit;
 mod relative;
+mod riders;
 mod rotations;
 mod route;
 mod screw;

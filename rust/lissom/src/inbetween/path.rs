@@ -13,8 +13,9 @@ use rayon::prelude::*;
 use super::clearance::Clearance;
 use super::options::{InbetweenOptions, Rotation};
 use super::relative::Relative;
+use super::riders;
 use super::screw::Screw;
-use super::shapes::{Of, Shapes, Targets};
+use super::shapes::{Of, Shapes, Stretched, Targets};
 use super::stretch::{self, Stretch, shares};
 use super::turn::Turn;
 use crate::geometry::triangle::normal_and_area;
@@ -110,11 +111,19 @@ impl Inbetween {
         let means = mean_turns(&mesh, a, &found.turns);
         let screw = |vertices: &Vec<u32>| {
             let component = mesh.components().of_vertex(vertices[0] as usize);
-            Screw::of(vertices, a, b, apart, component.map_or(Vec3::ZERO, |c| means[c]))
+            let pairs = vertices.iter().map(|&v| (a[v as usize], b[v as usize] + apart));
+            Screw::of(pairs, component.map_or(Vec3::ZERO, |c| means[c]))
         };
-        let screws = shapes.stitcher.floating().iter().map(screw).collect();
+        let mut screws: Vec<Screw> = shapes.stitcher.floating().iter().map(screw).collect();
+        for part in &shapes.riders.parts {
+            let back = riders::motion(&part.seat, b, a);
+            let vertices = shapes.stitcher.floating()[part.floating].iter();
+            let pairs = vertices.map(|&v| (a[v as usize], back.apply(b[v as usize])));
+            let host = found.turns[part.seat.triangles[0] as usize].omega();
+            screws[part.floating] = Screw::of(pairs, means[part.component] - host);
+        }
         let relative = match options.rotation {
-            Rotation::Relative => Some(Relative::new(&mesh, &ends, &found.roots, job)?),
+            Rotation::Relative => Some(Relative::new(&mesh, &ends, &found.roots, &found.links, job)?),
             Rotation::Consistent | Rotation::Shortest => None,
         };
         let stretches = match options.stretch {
@@ -210,7 +219,7 @@ impl Inbetween {
                 let (stitcher, wanted) = (&self.shapes.stitcher, volumes.at(self.inner_time(t)));
                 let precondition = |gradient: &[Vec3]| stitcher.precondition(gradient);
                 volumes.restore(stitcher.mesh(), &targets.line, y, &wanted, precondition);
-                self.shapes.centre(&targets.offsets, y);
+                self.shapes.place(targets, y);
             }
             if let Some(clearance) = &self.clearance
                 && t > 0.0
@@ -223,11 +232,7 @@ impl Inbetween {
     }
 
     /// What every triangle asks for at time `t`.
-    fn targets(
-        &self,
-        t: f64,
-        job: &Job,
-    ) -> Result<Targets<impl Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync + Send + '_>> {
+    fn targets(&self, t: f64, job: &Job) -> Result<Targets<impl Stretched + '_>> {
         let changes = match &self.relative {
             Some(relative) => {
                 let mut rotations = relative.at(t, &self.turns, job)?;
@@ -246,7 +251,7 @@ impl Inbetween {
         let line =
             self.shapes.unit[0].iter().zip(&self.shapes.unit[1]).map(|(&p, &q)| p + (q - p) * t).collect();
         let offsets = self.screws.iter().map(|screw| screw.at(t)).collect();
-        Ok(Targets { stretched, changes, line, offsets })
+        Ok(Targets { stretched, changes, line, shares: vec![1.0 - t, t], offsets })
     }
 }
 

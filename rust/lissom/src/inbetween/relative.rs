@@ -41,13 +41,15 @@ pub(super) struct Relative {
 }
 
 impl Relative {
-    /// Factors the dual graph of `mesh`, whose triangles turn by `ends`; `roots` take their own turn.
+    /// Factors the dual graph of `mesh`, whose triangles turn by `ends`; `roots` take their own turn, and `links` join
+    /// parts that ride to their hosts.
     ///
     /// # Errors
     ///
     /// As [`ConstrainedSystem::new`].
-    pub fn new(mesh: &Mesh, ends: &[Mat3], roots: &[u32], job: &Job) -> Result<Self> {
-        let pairs: Vec<[u32; 2]> = mesh.adjacency().triangle_pairs().collect();
+    pub fn new(mesh: &Mesh, ends: &[Mat3], roots: &[u32], links: &[[u32; 2]], job: &Job) -> Result<Self> {
+        let pairs = mesh.adjacency().triangle_pairs().chain(links.iter().copied());
+        let pairs: Vec<[u32; 2]> = pairs.collect();
         let pairs: Vec<(u32, u32, Vec3, f64)> = pairs
             .into_par_iter()
             .map(|[i, j]| {

@@ -27,10 +27,10 @@ pub(super) struct Screw {
 }
 
 impl Screw {
-    /// The screw of some vertices that go from `a` to `b`, in units that share a scale but not an origin, where the origin of `b`
-    /// is `apart` from that of `a`; the way round, and as many turns, as their triangles `turn` on the mean.
-    pub fn of(vertices: &[u32], a: &[Vec3], b: &[Vec3], apart: Vec3, turn: Vec3) -> Self {
-        let motion = Alignment::of(vertices.iter().map(|&v| (a[v as usize], b[v as usize])));
+    /// The screw of some points, each from where it is to where it goes; the way round, and as many turns, as their
+    /// triangles `turn` on the mean.
+    pub fn of(points: impl Iterator<Item = (Vec3, Vec3)> + Clone, turn: Vec3) -> Self {
+        let motion = Alignment::of(points);
         let (from, to) = motion.centroids();
         let turn = rotation::nearest_branch(rotation::log(motion.rotation()), turn);
         let angle = turn.length();
@@ -38,7 +38,7 @@ impl Screw {
             return Self::default();
         }
         let axis = turn / angle;
-        let across = (to + apart - from).reject_from_normalized(axis);
+        let across = (to - from).reject_from_normalized(axis);
         Self { turn, arm: (across + axis.cross(across) / (0.5 * angle).tan()) * -0.5 }
     }
 

@@ -15,8 +15,10 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::branches::{self, Neighbours};
+use super::branches::{self, Branches};
+use super::neighbours::Neighbours;
 use super::refit::refit;
+use super::riders::Riders;
 use super::rotations::{self, TriangleMotion};
 use super::turn::Turn;
 use crate::geometry::frame::UnitFrame;
@@ -45,6 +47,7 @@ pub(super) struct Shapes {
     pub scale: f64,
     /// Vertices that are in the same place in all shapes, to single precision.
     pub stationary: Vec<bool>,
+    pub riders: Riders,
     /// Vertices that move by no more are still.
     rounding: f64,
     hats: Vec<Vec<HatGradients>>,
@@ -58,6 +61,8 @@ pub(super) struct Turns {
     pub turns: Vec<Turn>,
     /// The triangles that the others' turns were chosen from.
     pub roots: Vec<u32>,
+    /// From the hosts of parts that ride to these: where their turns were chosen from.
+    pub links: Vec<[u32; 2]>,
     /// Those that turn over, as the input of the mesh counts them.
     pub inverted: Vec<usize>,
     /// Components that turn by half a turn, for which the other way round is as near.
@@ -71,15 +76,22 @@ pub(super) enum Of {
     Corners,
 }
 
+/// The hats of a triangle's stretched edges, or its stretched corners, and those less the ones on the straight line.
+pub(super) trait Stretched: Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync + Send {}
+
+impl<F: Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync + Send> Stretched for F {}
+
 /// What one shape to be stitched asks for.
 pub(super) struct Targets<F> {
-    /// The hats of a triangle's stretched edges, or its stretched corners, and those less the ones on the straight line.
+    /// [`Stretched`]
     pub stretched: F,
     /// `R_t - I`.
     pub changes: Vec<Mat3>,
-    /// The straight blend of the shapes, in unit coordinates.
+    /// The straight blend of the shapes, in unit coordinates, and the share of each.
     pub line: Vec<Vec3>,
-    /// Of each floating component, where its centroid is off the straight line; none of them where empty.
+    pub shares: Vec<f64>,
+    /// Of each floating component, where its centroid is off the straight line, seen from where it rides; none of them
+    /// where empty.
     pub offsets: Vec<Vec3>,
 }
 
@@ -126,6 +138,7 @@ impl Shapes {
         let constraints = Constraints::hard(stationary.len(), |v| stationary[v]);
         let weights = Weights::Corners(&weights);
         let stitcher = Stitcher::new(mesh, Owners::Triangles, weights, None, constraints, job)?;
+        let riders = Riders::of(stitcher.mesh(), &unit, stitcher.floating(), &stationary);
         warnings.extend(stitcher.system().factor().is_regularized().then(|| REGULARIZED.into()));
         Ok(Self {
             stitcher,
@@ -134,6 +147,7 @@ impl Shapes {
             origins: frames.iter().map(|frame| frame.center).collect(),
             scale,
             stationary,
+            riders,
             rounding,
             hats,
             warnings,
@@ -180,25 +194,30 @@ impl Shapes {
             let component = mesh.components().of_vertex(mesh.triangles()[t][0] as usize);
             component.map_or(Vec3::ZERO, |c| drifts[c])
         };
-        let (turns, roots, halves) = if agree {
-            branches::consistent(&neighbours, &motions, &moved, drift, job)?
+        let Branches { turns, roots, links, halves } = if agree {
+            let links = self.riders.links(mesh, self.stitcher.floating());
+            branches::consistent(&neighbours, &motions, &moved, &links, drift, job)?
         } else {
-            (branches::shortest(&motions, drift), Vec::new(), Vec::new())
+            Branches { turns: branches::shortest(&motions, drift), ..Branches::default() }
         };
         let ids = neighbours.inverted(&motions).map(|t| mesh.triangle_ids()[t] as usize);
         let ids: BTreeSet<usize> = ids.collect();
         let halves = halves.iter().map(|&t| mesh.triangles()[t as usize][0] as usize);
         let halves = halves.filter_map(|v| mesh.components().of_vertex(v)).collect();
-        Ok(Turns { inverted: ids.into_iter().collect(), motions, turns, roots, halves })
+        Ok(Turns { inverted: ids.into_iter().collect(), motions, turns, roots, links, halves })
     }
 
-    /// How far the centroid of every component goes from the first shape to another.
+    /// How far the centroid of every component goes from the first shape to another, or that of what it rides on.
     fn drifts(&self, shape: usize) -> Vec<Vec3> {
         let drift = |vertices: Vec<u32>| {
             let moved = |&v: &u32| self.unit[shape][v as usize] - self.unit[0][v as usize];
             self.apart(shape) + vertices.iter().map(moved).sum::<Vec3>() / vertices.len() as f64
         };
-        self.mesh().components().members().into_iter().map(drift).collect()
+        let mut drifts: Vec<Vec3> = self.mesh().components().members().into_iter().map(drift).collect();
+        for part in &self.riders.parts {
+            drifts[part.component] = drifts[part.seat.component];
+        }
+        drifts
     }
 
     /// `y` of everything targets for, in unit coordinates, after `rounds` of refitting the rotations where they
@@ -207,7 +226,7 @@ impl Shapes {
     /// # Errors
     ///
     /// [`Error::Cancelled`].
-    pub fn stitch<F: Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync + Send>(
+    pub fn stitch<F: Stretched>(
         &self,
         targets: &[Targets<F>],
         rounds: usize,
@@ -229,13 +248,13 @@ impl Shapes {
             self.stitcher.system().solve(&rhs, &mut shapes);
         }
         for (targets, y) in targets.iter().zip(&mut shapes) {
-            self.centre(&targets.offsets, y);
+            self.place(targets, y);
         }
         Ok(shapes)
     }
 
     /// `R_t - I` refitted to the shape `y`.
-    fn refitted<F: Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync + Send>(
+    fn refitted<F: Stretched>(
         &self,
         targets: &Targets<F>,
         y: &[Vec3],
@@ -256,21 +275,23 @@ impl Shapes {
         found.into_par_iter().enumerate().map(change).collect()
     }
 
-    /// Moves every floating component so that its centroid is off its straight line by its offset, and welded
-    /// vertices with those that they are welded to.
-    pub fn centre(&self, offsets: &[Vec3], y: &mut [Vec3]) {
-        for (k, vertices) in self.stitcher.floating().iter().enumerate() {
+    /// Moves every floating component so that its centroid is off its straight line by its offset, what rides with its
+    /// seat, and welded vertices with those that they are welded to.
+    pub fn place<F>(&self, targets: &Targets<F>, y: &mut [Vec3]) {
+        let (floating, offsets) = (self.stitcher.floating(), &targets.offsets);
+        for (k, vertices) in floating.iter().enumerate() {
             let sum: Vec3 = vertices.iter().map(|&v| y[v as usize]).sum();
             let off = sum / vertices.len() as f64 - offsets.get(k).copied().unwrap_or_default();
             for &v in vertices {
                 y[v as usize] -= off;
             }
         }
+        self.riders.place(floating, &self.unit, &targets.shares, offsets, &targets.line, y);
         self.mesh().follow(y);
     }
 }
 
-impl<F: Fn(usize, Of) -> [[Vec3; 3]; 2] + Sync> Targets<F> {
+impl<F: Stretched> Targets<F> {
     fn divergence(&self, stitcher: &Stitcher, changes: &[Mat3]) -> Vec<Vec3> {
         let hats = |t: usize| (self.stretched)(t, Of::Hats);
         stitcher.divergence(Reference::Edges { hats: &hats, base: &self.line }, changes)

@@ -342,7 +342,7 @@ fn unmoved_vertices_stay_and_shapes_without_a_rigid_motion_go_straight() {
 }
 
 #[test]
-fn vertices_without_triangles_move_straight() {
+fn vertices_without_triangles_follow_the_surface_and_those_at_rest_stay() {
     let mut case = bar(0.5, 0.0);
     let mut start = case.start.clone();
     start.extend([Vec3::new(7.0, 1.0, 2.0), Vec3::splat(-3.0)]);
@@ -351,9 +351,11 @@ fn vertices_without_triangles_move_straight() {
         case.mesh.triangles().to_vec(),
         [case.end, vec![Vec3::Z, Vec3::splat(-3.0)]].concat(),
     );
-    let x = case.at(0.25);
-    assert!(x[start.len() - 2].distance(start[start.len() - 2].lerp(Vec3::Z, 0.25)) < 1e-12);
-    assert_eq!(x[start.len() - 1], Vec3::splat(-3.0));
+    for t in [0.0, 1e-9, 1.0 - 1e-9, 1.0] {
+        let straight = start[start.len() - 2].lerp(Vec3::Z, t);
+        assert!(case.at(t)[start.len() - 2].distance(straight) < 1e-7);
+    }
+    assert_eq!(case.at(0.25)[start.len() - 1], Vec3::splat(-3.0));
 }
 
 #[test]

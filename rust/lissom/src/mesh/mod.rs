@@ -2,6 +2,7 @@
 
 mod adjacency;
 mod components;
+mod distance;
 mod orientation;
 pub(crate) mod validate;
 mod weld;
@@ -236,6 +237,28 @@ impl Mesh {
     /// Connected components.
     pub fn components(&self) -> &Components {
         &self.components
+    }
+
+    /// How far each vertex is from the nearest of `sources` along edges, in the mesh's own units; infinite where no
+    /// edges lead.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Error::InvalidConstraint`] for none and for indices out of range.
+    pub fn edge_distances(&self, sources: &[u32]) -> Result<Vec<f64>> {
+        let n = self.vertices.len();
+        if sources.is_empty() {
+            return Err(Error::InvalidConstraint(Fault::new("vertices", "there is none")));
+        }
+        let outside = sources.iter().filter(|&&v| v as usize >= n).map(|&v| v as usize);
+        let problem = format!("vertex index out of range, the mesh has {n} vertices");
+        if let Some(fault) = Fault::at("vertices", problem, outside) {
+            return Err(Error::InvalidConstraint(fault));
+        }
+        let sources: Vec<u32> = sources.iter().map(|&v| self.representative(v)).collect();
+        let mut distances = distance::along_edges(&self.adjacency, &self.vertices, &sources);
+        self.follow(&mut distances);
+        Ok(distances)
     }
 
     /// The triangles turned so that, as far as that is possible, neighbours are wound alike and each part that hangs

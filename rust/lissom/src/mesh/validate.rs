@@ -122,7 +122,7 @@ pub(super) fn doubts(
 
     let alone = |v: usize| welds.get(v).is_none_or(|&w| w as usize == v);
     let lonely = (0..vertices).filter(|&v| adjacency.corners_of(v).is_empty() && alone(v));
-    say("vertices", "in no face, kept at rest", &mut { lonely });
+    say("vertices", "in no face", &mut { lonely });
 
     let edges = 0..adjacency.edges().len();
     let crowded = edges.clone().filter(|&e| adjacency.sides_of(e).len() > 2);

@@ -10,6 +10,7 @@ use super::method::{CommonOptions, Method, Solution, SolveOptions};
 use super::own_turns::OwnTurns;
 use super::region::Region;
 use super::registry::MethodOptions;
+use super::unheld::Followers;
 use super::volume::KeptVolume;
 use super::welding::Welding;
 use crate::linear::{Factor, REGULARIZED};
@@ -67,6 +68,7 @@ pub struct Pose {
     region: Region,
     method: Option<Box<dyn Method>>,
     volume: Option<KeptVolume>,
+    followers: Followers,
     own_turns: OwnTurns,
     info: Info,
     warnings: Vec<String>,
@@ -75,8 +77,8 @@ pub struct Pose {
 impl Pose {
     /// Binds `handles` on `mesh`.
     ///
-    /// `roi` lists the vertices that may move; `None` means all. Vertices outside it, and components
-    /// without a handle, stay at rest.
+    /// `roi` lists the vertices that may move; `None` means all. Vertices outside it stay at rest; components without a
+    /// handle do as [`CommonOptions::unheld`] says.
     ///
     /// # Errors
     ///
@@ -105,8 +107,10 @@ impl Pose {
         let method = if region.is_rigid() { None } else { Some(method.bind(&region, job)?) };
         let keeps = common.preserve_volume && method.is_some();
         let volume = if keeps { Some(KeptVolume::of(&whole, &region, job)?) } else { None };
+        let followers = Followers::of(&whole, region.handles(), roi.as_deref(), common.unheld);
         let mut info = Info::default();
         let mut warnings = region.warnings().to_vec();
+        warnings.extend_from_slice(followers.warnings());
         warnings.extend(images.warning());
         warnings.extend(volume.as_ref().and_then(|volume| volume.warning(&whole)));
         let systems = method.iter().flat_map(|m| m.systems()).chain(volume.as_ref().map(KeptVolume::system));
@@ -122,7 +126,19 @@ impl Pose {
         info.seconds = begin.elapsed().as_secs_f64();
         job.report(1.0, "ready");
         let own_turns = OwnTurns::of(&whole, welding.handles());
-        Ok(Self { mesh, whole, images, welding, region, method, volume, own_turns, info, warnings })
+        Ok(Self {
+            mesh,
+            whole,
+            images,
+            welding,
+            region,
+            method,
+            volume,
+            followers,
+            own_turns,
+            info,
+            warnings,
+        })
     }
 
     /// What binding made.
@@ -298,6 +314,8 @@ impl Pose {
             volume.restore(&self.whole, &self.region, &mut vertices);
             put(&mut vertices);
         }
+        self.followers.carry(&self.whole, &mut vertices);
+        put(&mut vertices);
         vertices.truncate(self.mesh.vertices().len());
         if let Some(v) = vertices.iter().position(|p| !p.is_finite()) {
             return Err(Error::SolveFailed(format!("vertex {v} overflows the range of numbers")));

@@ -5,7 +5,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::mesh::UnitFrame;
+use crate::mesh::{Plane, UnitFrame};
 use crate::rotation::{agree, exp, log, nearest_branch, nearest_rotation, polar};
 use crate::{Mat3, Mat4, Vec3};
 
@@ -91,4 +91,27 @@ fn with_turns(own: Vec3, turns: Vec3) -> (Vec3, Vec3) {
     }
     let whole = turns.normalize_or_zero() * (TAU * (turns.length() / TAU).round());
     (nearest_branch(own, turns - whole), whole)
+}
+
+/// The motion of the other side.
+pub(super) fn image_of_matrix(m: Mat4, plane: &Plane) -> Mat4 {
+    let mut mirror = Mat4::from_mat3(plane.matrix());
+    mirror.w_axis = plane.image(Vec3::ZERO).extend(1.0);
+    mirror * m * mirror
+}
+
+/// What of an affine motion is symmetric about a plane on which `centre` lies: turns about the normal, stretches that are
+/// the same on both sides, and where the centre goes along the plane.
+pub(super) fn symmetric(m: Mat4, plane: &Plane, centre: Vec3) -> Mat4 {
+    if image_of_matrix(m, plane) == m {
+        return m;
+    }
+    let (linear, mirror) = (Mat3::from_mat4(m), plane.matrix());
+    let (turn, stretch) = polar(linear);
+    let turn = log(turn);
+    let linear_symmetric = exp(turn - plane.tangential(turn)) * ((stretch + mirror * stretch * mirror) * 0.5);
+    let shift = plane.tangential((linear - Mat3::IDENTITY) * centre + m.w_axis.truncate());
+    let mut made = Mat4::from_mat3(linear_symmetric);
+    made.w_axis = (shift - (linear_symmetric - Mat3::IDENTITY) * centre).extend(1.0);
+    made
 }

@@ -7,14 +7,13 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::goal::HandleMotion;
+use super::goal::{HandleMotion, image_of_matrix, symmetric};
 use super::handles::{self, Handle};
 use super::method::CommonOptions;
 use crate::geometry::plane::expect_perpendicular;
 use crate::mesh::{Plane, UnitFrame};
-use crate::rotation::{exp, log, polar};
 use crate::symmetry::Symmetry;
-use crate::{Error, Fault, Mat3, Mat4, Mesh, Result, Vec3};
+use crate::{Error, Fault, Mat4, Mesh, Result, Vec3};
 
 /// Two handles are as far on the normal's side where they differ by less, of the diagonal.
 const SAME_HEIGHT: f64 = 1e-9;
@@ -335,27 +334,4 @@ fn joined(own: &Handle, other: &Handle) -> Handle {
     let vertices = own.vertices.iter().copied().chain(more.iter().map(|&i| other.vertices[i])).collect();
     let partly = own.membership.is_some() || other.membership.is_some();
     Handle { vertices, membership: partly.then_some(weights) }
-}
-
-/// The motion of the other side.
-fn image_of_matrix(m: Mat4, plane: &Plane) -> Mat4 {
-    let mut mirror = Mat4::from_mat3(plane.matrix());
-    mirror.w_axis = plane.image(Vec3::ZERO).extend(1.0);
-    mirror * m * mirror
-}
-
-/// What of an affine motion is symmetric about a plane on which `centre` lies: turns about the normal, stretches that are
-/// the same on both sides, and where the centre goes along the plane.
-fn symmetric(m: Mat4, plane: &Plane, centre: Vec3) -> Mat4 {
-    if image_of_matrix(m, plane) == m {
-        return m;
-    }
-    let (linear, mirror) = (Mat3::from_mat4(m), plane.matrix());
-    let (turn, stretch) = polar(linear);
-    let turn = log(turn);
-    let linear_symmetric = exp(turn - plane.tangential(turn)) * ((stretch + mirror * stretch * mirror) * 0.5);
-    let shift = plane.tangential((linear - Mat3::IDENTITY) * centre + m.w_axis.truncate());
-    let mut made = Mat4::from_mat3(linear_symmetric);
-    made.w_axis = (shift - (linear_symmetric - Mat3::IDENTITY) * centre).extend(1.0);
-    made
 }

@@ -3,6 +3,7 @@
 use super::goal::Goal;
 use super::handles::Hold;
 use super::region::Region;
+use super::unheld::Unheld;
 use crate::linear::ConstrainedSystem;
 use crate::mesh::Plane;
 use crate::options::{choices, options};
@@ -41,6 +42,8 @@ options! {
         pub weight: f64 = 1.0 => above(0.0) when("constraints", "soft"),
         /// Closed components keep the volume that they have at rest.
         pub preserve_volume: bool = false,
+        /// What parts without a handle do, such as eyes, teeth and buttons.
+        pub unheld: Unheld = Unheld::Follow,
         /// Planes, each (point, normal), that complete a half mesh by its mirror image, with the same handles: vertices on
         /// them stay on them.
         pub mirror: Vec<Plane> = Vec::new(),

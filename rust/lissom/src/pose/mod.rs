@@ -3,7 +3,7 @@
 //! [`Pose`] (`bound`) prepares a region of interest and its handles once (`region`, `handles`) and a method
 //! ([`Method`], one a file; `registry` knows them by name); each solve turns the handles' motion into a [`Goal`]
 //! (`goal`, `welding`, `images`) and hands it to the method. Methods see a mesh that consists of the region alone, so none
-//! knows of anything outside.
+//! knows of anything outside; what nobody holds follows afterwards (`unheld`).
 //!
 //! | file | chooses |
 //! |---|---|
@@ -41,6 +41,7 @@ mod rods;
 pub mod rotation_invariant;
 mod smoothing;
 pub mod thin_shell;
+mod unheld;
 mod volume;
 mod welding;
 
@@ -51,3 +52,4 @@ pub use method::{CommonOptions, Holding, Method, Solution, SolveOptions};
 pub use region::Region;
 pub use registry::{METHODS, MethodOptions};
 pub use responses::{Linear, Response};
+pub use unheld::Unheld;

@@ -75,16 +75,11 @@ impl Region {
             (follows || pull[v].is_some()) && attached
         };
         let first: Vec<usize> = components.members().iter().map(|m| m[0] as usize).collect();
-        let mut say = |problem: &str, which: &dyn Fn(usize) -> bool| {
-            let offenders =
-                (0..first.len()).filter(|&c| which(c) && !mesh.is_image(first[c])).map(|c| first[c]);
-            warnings.extend(Fault::at("handles", problem, offenders).map(|fault| fault.to_string()));
-        };
-        say("components without a handle stay at rest, named by their first vertex", &|c| points[c] == 0);
-        say(
-            "components held by one or two points, whose rotation is ambiguous, named by their first vertex",
-            &|c| points[c] > 0 && held[c] <= 2,
-        );
+        let ambiguous = |&c: &usize| points[c] > 0 && held[c] <= 2 && !mesh.is_image(first[c]);
+        let ambiguous = (0..first.len()).filter(ambiguous).map(|c| first[c]);
+        let problem =
+            "components held by one or two points, whose rotation is ambiguous, named by their first vertex";
+        warnings.extend(Fault::at("handles", problem, ambiguous).map(|fault| fault.to_string()));
 
         let (mut rods, hollow) = if solid { rods(mesh) } else { (Vec::new(), None) };
         warnings.extend(hollow);
