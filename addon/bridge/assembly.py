@@ -6,7 +6,7 @@ import numpy as np
 from ..core import space
 from ..core.refused import Refused
 from . import groups
-from .checks import mesh_object, require_mesh
+from .checks import is_shown, mesh_object, require_mesh
 from .meshes import Snapshot, polygons_of_triangles
 
 
@@ -45,7 +45,7 @@ def world_matrix(obj):
 
     What is hidden in viewports, or in a collection that is excluded, has the matrix of when it was last seen.
     """
-    if obj.visible_get() or obj.hide_get():
+    if is_shown(obj) or obj.hide_get():
         return np.array(obj.matrix_world, dtype=np.float64)
     if obj.constraints or (obj.parent and obj.parent_type != "OBJECT"):
         raise Refused(f"'{obj.name}' is hidden, and Blender does not say where it is: show it first")

@@ -33,6 +33,12 @@ def active_mesh(context):
     return obj if obj is not None and obj.type == "MESH" else None
 
 
+def is_shown(obj):
+    """Whether the view layer shows an object; a view may leave it out in its Local View."""
+    with bpy.context.temp_override(area=None):
+        return obj.visible_get()
+
+
 def refusal(obj, keys=True):
     """Why nothing can be written to a mesh object, or "". With ``keys``: to its shape keys."""
     mesh = obj.data

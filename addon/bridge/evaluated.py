@@ -7,6 +7,7 @@ import numpy as np
 
 from ..core.refused import Refused
 from . import meshes, playback
+from .checks import is_shown
 
 # Modifiers that make other vertices than the mesh has.
 GENERATIVE = {
@@ -69,7 +70,7 @@ def _turn(blocks, name, value):
 
 def _require_shown(objects):
     for obj in objects:
-        if not obj.visible_get():
+        if not is_shown(obj):
             raise Refused(f"'{obj.name}' is hidden, and Blender evaluates only what it shows: show it first")
         if obj.mode in ("EDIT", "SCULPT"):
             raise Refused(f"'{obj.name}' is in {obj.mode.lower()} mode: go to Object Mode first")

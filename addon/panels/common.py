@@ -1,7 +1,12 @@
 """What the panels share."""
 
+import blf
+import bpy
+
 from .. import session
 from ..core.pose_options import options_of
+
+SIDEBAR, MARGINS, ICON = 280, 66, 24  # pixels at a scale of 1: as Blender opens it, and what is not text
 
 
 class Sidebar:
@@ -35,15 +40,39 @@ def draw_progress(layout, feature):
         layout.progress(factor=fraction, text=f"{stage} (ESC cancels)")
 
 
-def draw_lines(layout, icon, text, width=38):
-    """A longer text over several lines; the first carries the icon, "NONE" for none."""
+def draw_fold(layout, name, label):
+    """The body of a part that is folded away at first, or None while it is."""
+    header, body = layout.panel(f"LISSOM_{name}", default_closed=True)
+    header.label(text=label)
+    return body
+
+
+def draw_lines(layout, icon, text):
+    """A longer text over as many lines as the sidebar needs; the first has the icon, "NONE" for none."""
     column = layout.column(align=True)
     column.scale_y = 0.8
+    room = _room(icon != "NONE")
     line = ""
     for word in text.split():
-        if line and len(line) + len(word) >= width:
+        longer = f"{line} {word}".strip()
+        if line and _width(longer) > room:
             column.label(text=line, icon=icon)
             icon, line = "NONE" if icon == "NONE" else "BLANK1", word
         else:
-            line = f"{line} {word}".strip()
+            line = longer
     column.label(text=line, icon=icon)
+
+
+def _room(icon):
+    """Pixels that a line of text has in the sidebar beside its tabs and margins, and an icon."""
+    scale = bpy.context.preferences.system.ui_scale
+    region = bpy.context.region
+    width = region.width if region is not None and region.type == "UI" else SIDEBAR * scale
+    return width - (MARGINS + (ICON if icon else 0)) * scale
+
+
+def _width(text):
+    """Pixels that Blender's own font needs for a text."""
+    preferences = bpy.context.preferences
+    blf.size(0, preferences.ui_styles[0].widget.points * preferences.system.ui_scale)
+    return blf.dimensions(0, text)[0]

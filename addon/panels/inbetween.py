@@ -5,7 +5,7 @@ import bpy
 from .. import ghost
 from ..bridge import arcs, checks, sliders
 from ..properties.inbetween import SETTINGS, PathSettings
-from .common import Sidebar, draw_lines, draw_progress, split_column
+from .common import Sidebar, draw_fold, draw_lines, draw_progress, split_column
 
 
 class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
@@ -35,12 +35,13 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
             draw_lines(column, "INFO", "This mesh has no shape keys yet")
         column.prop(settings, "sampling")
         column.prop(settings, "tolerance" if settings.sampling == "TOLERANCE" else "count")
-        for name in PathSettings.__annotations__:
-            column.prop(settings, name)
         column.prop(settings, "easing")
-        column.prop(settings, "playback")
         column.prop(settings, "slider", placeholder=f"{settings.end} arc" if settings.end else "")
-        column.prop(settings, "reroute")
+        body = draw_fold(layout, "arc_options", "Options")
+        if body:
+            column = split_column(body)
+            for name in (*PathSettings.__annotations__, "playback", "reroute"):
+                column.prop(settings, name)
         layout.prop(settings, "ghost", icon="GHOST_ENABLED" if settings.ghost else "GHOST_DISABLED")
         shadow = ghost.of(obj)
         if settings.ghost and shadow is not None and shadow.message:

@@ -5,7 +5,7 @@ import bpy
 from .. import session
 from ..bridge import checks, empties, poses
 from ..core.pose_options import METHODS
-from .common import Sidebar, draw_lines, draw_options, draw_progress, split_column
+from .common import Sidebar, draw_fold, draw_lines, draw_options, draw_progress, split_column
 
 METHOD_LINES = {name: line for name, _, line in METHODS}
 
@@ -119,12 +119,9 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
             remove.handle = settings.handles[active].name
         if 0 <= active < len(settings.handles):
             column.prop(settings.handles[active], "turns_by_itself")
-        row = column.row()
-        row.enabled = not settings.bound
-        row.prop(settings, "use_weights")
         if len(settings.handles) == 1 and not settings.roi:
-            column.label(text="What stays?", icon="PINNED")
-            column.prop(settings, "stays", text="")
+            column = split_column(column)
+            column.prop(settings, "stays", text="What stays?")
             if settings.stays == "FAR":
                 column.prop(settings, "reach")
 
@@ -133,14 +130,16 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         column.prop(settings, "method")
         draw_lines(column, "NONE", METHOD_LINES[settings.method])
         column.prop(settings, "symmetry")
-        header, body = layout.panel("LISSOM_pose_options", default_closed=True)
-        header.label(text="Options")
+        body = draw_fold(layout, "pose_options", "Options")
         if body:
             options = settings.options
             column = split_column(body)
             base = options.multiresolution.base
             draw_options(column, settings.method, base, lambda owner: getattr(options, owner))
-            column.prop(settings, "weld")
+            for name in ("use_weights", "weld"):
+                row = column.row()
+                row.enabled = name == "weld" or not settings.bound
+                row.prop(settings, name)
 
     def _draw_bound(self, layout, obj, settings):
         layout.separator(factor=0.5)
@@ -165,8 +164,7 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         layout.operator("lissom.pose_unbind", icon="UNLINKED").object = obj.name
 
     def _draw_bake(self, layout, obj, settings):
-        header, body = layout.panel("LISSOM_pose_bake", default_closed=True)
-        header.label(text="Bake Animation")
+        body = draw_fold(layout, "pose_bake", "Bake Animation")
         if not body:
             return
         scene = bpy.context.scene

@@ -9,7 +9,7 @@ from ..bridge.assembly import both_sides
 from ..core.colours import LEGEND, LIMIT
 from ..core.quality import ORDERS, badness
 from ..core.refused import Refused
-from .common import Sidebar, draw_lines, draw_progress, split_column
+from .common import Sidebar, draw_fold, draw_lines, draw_progress, split_column
 
 
 class LISSOM_UL_markers(bpy.types.UIList):
@@ -139,18 +139,9 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         if not settings.overlap:
             self._draw_markers(layout, context)
             self._draw_curves(layout, settings)
-        column = split_column(layout)
-        if len(settings.markers) and not settings.overlap:
-            column.prop(settings, "marker_tolerance")
-        column.prop(settings, "match_distance")
-        if not settings.overlap:
-            column.prop(settings, "closest")
-        for side in ("source", "target"):
-            objects = [getattr(settings, side), *(part.object for part in getattr(settings, f"{side}_parts"))]
-            objects = list(filter(None, objects))
-            mask = getattr(settings, f"{side}_mask")
-            for obj in [obj for obj in objects if mask in obj.vertex_groups][:1] or objects[:1]:
-                column.prop_search(settings, f"{side}_mask", obj, "vertex_groups")
+        body = draw_fold(layout, "fit_options", "Fit Options")
+        if body:
+            self._draw_fit_options(split_column(body), settings)
         row = layout.row()
         row.scale_y = 1.4
         fit = row.operator("lissom.transfer_fit", icon="MOD_SHRINKWRAP")
@@ -168,6 +159,19 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         draw_progress(layout, "transfer")
         if settings.what == "KEYS":
             self._draw_quality(layout, settings)
+
+    def _draw_fit_options(self, column, settings):
+        if len(settings.markers) and not settings.overlap:
+            column.prop(settings, "marker_tolerance")
+        column.prop(settings, "match_distance")
+        if not settings.overlap:
+            column.prop(settings, "closest")
+        for side in ("source", "target"):
+            objects = [getattr(settings, side), *(part.object for part in getattr(settings, f"{side}_parts"))]
+            objects = list(filter(None, objects))
+            mask = getattr(settings, f"{side}_mask")
+            for obj in [obj for obj in objects if mask in obj.vertex_groups][:1] or objects[:1]:
+                column.prop_search(settings, f"{side}_mask", obj, "vertex_groups")
 
     def _draw_without(self, layout, context):
         try:
@@ -269,9 +273,13 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             row = column.row(align=True)
             row.operator("lissom.transfer_choose", text="All").action = "ALL"
             row.operator("lissom.transfer_choose", text="None").action = "NONE"
-        column = split_column(layout)
-        for name in KEY_OPTIONS:
-            column.prop(settings, name)
+        split_column(layout).prop(settings, "scale")
+        body = draw_fold(layout, "key_options", "Options")
+        if body:
+            column = split_column(body)
+            for name in KEY_OPTIONS:
+                if name != "scale":
+                    column.prop(settings, name)
         transfer = self._draw_transfer(layout, settings, "keys", "SHAPEKEY_DATA", KEY_OPTIONS)
         transfer.keys = "\n".join(row.name for row in settings.chosen) if settings.which == "SELECTED" else ""
 

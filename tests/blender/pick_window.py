@@ -35,6 +35,7 @@ PLACES = [  # on Suzanne, seen from the front
     ((0.3, -0.75, -0.7), "left corner"),
 ]
 SHIFT = 1.6
+PAUSE = 0.4
 PIPE = os.environ.get("LISSOM_MOUSE")
 
 
@@ -59,10 +60,18 @@ def on_display(region, place):
     return round(region.x + spot.x), round(height - 1 - (region.y + spot.y))
 
 
+def point(region, place):
+    """Blender takes a press to be where it last saw the mouse: it has to see it move before."""
+    mouse("mousemove", *on_display(region, place))
+    yield PAUSE
+    yield PAUSE
+
+
 def click(region, place, button=1, held=None):
-    at = ("mousemove", *on_display(region, place), "sleep", 0.15)
-    mouse(*at, *(("keydown", held, "click", button, "keyup", held) if held else ("click", button)))
-    yield 0.6
+    yield from point(region, place)
+    mouse(*(("keydown", held, "click", button, "keyup", held) if held else ("click", button)))
+    yield PAUSE
+    yield PAUSE
 
 
 def marked_place(obj, row, side):
@@ -136,11 +145,11 @@ def steps():
     begin = surface_place(target, (-0.6, -0.6, -0.2))
     goal = surface_place(target, (-0.75, -0.55, -0.05))
     before = rows[len(PLACES)].target
-    mouse("mousemove", *on_display(region, begin), "sleep", 0.2, "mousedown", 1)
-    yield 0.3
+    yield from point(region, begin)
+    mouse("mousedown", 1)
+    yield PAUSE
     for share in (0.25, 0.5, 0.75, 1.0):
-        mouse("mousemove", *on_display(region, begin.lerp(goal, share)))
-        yield 0.2
+        yield from point(region, begin.lerp(goal, share))
     mouse("mouseup", 1)
     yield 0.5
     row = rows[len(PLACES)]
@@ -152,16 +161,14 @@ def steps():
 
     from bl_ext.user_default.lissom import session
 
-    mouse("mousemove", *on_display(region, marked_place(source, row, "source")))
-    yield 0.4
+    yield from point(region, marked_place(source, row, "source"))
     assert session.picking.ring is not None, "the ring is around what would be taken"
     beside = marked_place(source, row, "source") + Vector((0.03, 0, 0))
     yield from click(region, beside, held="ctrl")
     assert session.picking.side == "source" and len(rows) == len(PLACES) + 1, "Ctrl: another beside it"
     yield from click(region, beside, button=3)
     assert session.picking.side is None
-    mouse("mousemove", *on_display(region, (0, 0, -1.9)))
-    yield 0.4
+    yield from point(region, (0, 0, -1.9))
     assert session.picking.ring is None
     print("PASS Ctrl marks beside a mark")
 
@@ -176,8 +183,9 @@ def steps():
     source, target = settings.source, settings.target
     print("PASS undo while picking")
 
-    mouse("mousemove", *on_display(region, (SHIFT, 0, -1.6)), "sleep", 0.2, "key", "Return")
-    yield 0.5
+    yield from point(region, (SHIFT, 0, -1.6))
+    mouse("key", "Return")
+    yield PAUSE
     assert session.picking is None
     assert settings.show_markers, "the marks stay"
     assert bpy.ops.lissom.marker_mirror() == {"FINISHED"}

@@ -1,0 +1,27 @@
+"""What a view looks at lies in the middle of what is free of it."""
+
+import numpy as np
+import pytest
+from lissom_addon_core import framing
+
+
+def test_bars_at_either_edge_are_left_out_and_those_beside_the_view_are_not_missed():
+    assert framing.free_span(800, []) == (0, 800)
+    assert framing.free_span(800, [(500, 800), (0, 58)]) == (58, 500)
+    assert framing.free_span(800, [(800, 1100), (-58, 0)]) == (0, 800)
+    assert framing.free_span(300, [(100, 300), (0, 120)]) == (0, 300)  # nothing is free
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_box_fills_the_free_pixels_and_lies_in_their_middle(seed):
+    rng = np.random.default_rng(seed)
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    turn[:, 2] *= np.linalg.det(turn)
+    corners = 5 * rng.normal(size=3) + rng.normal(size=(8, 3))
+    size, free, pixel = (800, 600), (58, 500), rng.uniform(0.001, 0.1)
+    location, factor = framing.framed(corners, turn, size, free, pixel)
+    seen = (corners - location) @ turn[:, :2] / (pixel * factor) + np.divide(size, 2)
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    np.testing.assert_allclose((low + high) / 2, [np.mean(free), size[1] / 2])
+    filled = (high - low) / (free[1] - free[0], size[1])
+    np.testing.assert_allclose(filled.max(), 1 / framing.MARGIN)
