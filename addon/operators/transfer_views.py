@@ -102,7 +102,7 @@ def _together(context):
     for area in filter(None, map(areas.get, (own, new))):
         if area.spaces.active.local_view is not None:
             with context.temp_override(area=area, region=_region(area)):
-                bpy.ops.view3d.localview(frame_selected=False)
+                bpy.ops.view3d.localview(frame_selected=True)  # as it looked before
     if own in areas and new in areas:
         with context.temp_override(area=areas[new], region=_region(areas[new])):
             bpy.ops.screen.area_close()

@@ -69,8 +69,10 @@ def point(region, place):
 
 def click(region, place, button=1, held=None):
     yield from point(region, place)
-    mouse(*(("keydown", held, "click", button, "keyup", held) if held else ("click", button)))
-    yield PAUSE
+    for words in (("keydown", held), ("click", button), ("keyup", held)):
+        if None not in words:
+            mouse(*words)
+            yield PAUSE
     yield PAUSE
 
 
