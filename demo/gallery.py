@@ -43,6 +43,13 @@ VARIANTS = {
     ),
     'rotation_invariant, frames="principal"': ("rotation_invariant", {"frames": "principal"}),
 }
+# The moved handle goes where it went and keeps the turn that it had at rest, or turns by itself.
+MOVED_ONLY = {
+    f"{method}, moved only{', by itself' if by_itself else ''}": (method, by_itself)
+    for method in ("poisson", "arap")
+    for by_itself in (False, True)
+}
+PICTURED = ("arap, solid=True", "arap, moved only, by itself")
 LETTERS = 1.9  # their size, against the demo's larger tiles
 COLOURS = {"Held": (0.03, 0.06, 0.16), "Handle": (0.55, 0.13, 0.015)}
 
@@ -68,6 +75,16 @@ class Task:
         if any(self.turns):
             return pose.solve(transforms, turns=[(0, 0, 0), self.turns], max_iterations=500).vertices
         return pose.solve(transforms, max_iterations=500).vertices
+
+    def solve_moved_only(self, method, by_itself):
+        """The same where the moved handle is not turned, or turns by itself."""
+        centre = self.vertices[self.moved].mean(axis=0)
+        shift = np.eye(4)
+        shift[:3, 3] = (self.transform[:3, :3] - np.eye(3)) @ centre + self.transform[:3, 3]
+        mesh = lissom.Mesh(self.vertices, self.faces)
+        pose = lissom.Pose(mesh, [self.held, self.moved], method=method, **OPTIONS.get(method, {}))
+        posed = pose.solve([np.eye(4), shift], by_itself=[1] if by_itself else [], max_iterations=500)
+        return posed.vertices
 
     def figures(self, posed):
         """Error of edges, volume ratio, change of dihedral angles and the smallest of them in degrees."""
@@ -163,8 +180,10 @@ def picture(tasks, studio, made, path, aspect):
         for method in lissom.POSE_METHODS:
             shapes[method] = task.solve(method, OPTIONS.get(method, {}))
             found[task.name, method] = task.figures(shapes[method])
-        for name, (method, options) in VARIANTS.items():
-            found[task.name, name] = task.figures(task.solve(method, options))
+        variants = {name: task.solve(*variant) for name, variant in VARIANTS.items()}
+        variants |= {name: task.solve_moved_only(*variant) for name, variant in MOVED_ONLY.items()}
+        found |= {(task.name, name): task.figures(posed) for name, posed in variants.items()}
+        shapes |= {name: variants[name] for name in PICTURED}
         columns.append(tiles(task, shapes, found, made, aspect))
     studio.sheet([list(row) for row in zip(*columns, strict=True)], path, aspect=aspect)
     return found
@@ -191,7 +210,7 @@ def tiles(task, shapes, found, made, aspect):
 def table(tasks, found):
     """A Markdown table: a row a method, four figures a pose."""
     rows = ["| | " + " | ".join(task.name for task in tasks) + " |", "|---|" + "---|" * len(tasks)]
-    for name in (*lissom.POSE_METHODS, *VARIANTS):
+    for name in (*lissom.POSE_METHODS, *VARIANTS, *MOVED_ONLY):
         cells = []
         for task in tasks:
             edges, volume, change, smallest = found[task.name, name]
