@@ -347,14 +347,15 @@ def test_an_override_of_a_linked_character_plays_its_slider_set_driven_and_anima
         bpy.data.objects["control"].location.x = knot
         bpy.context.view_layer.update()
         assert_allclose(scene.shown(obj), path.at([knot])[0], atol=1e-5)
-    obj.driver_remove(at)
-    for frame, knot in enumerate(KNOTS):
-        obj['"bend"'] = float(knot)
-        obj.keyframe_insert(at, frame=frame)
-    obj = opened_again()
-    for frame, knot in enumerate(KNOTS):
-        bpy.context.scene.frame_set(frame)
-        assert_allclose(scene.shown(obj), path.at([knot])[0], atol=1e-5)
+    if bpy.app.version >= (5, 0):  # 4.2 keeps no keys on overrides, whosever property it is
+        obj.driver_remove(at)
+        for frame, knot in enumerate(KNOTS):
+            obj['"bend"'] = float(knot)
+            obj.keyframe_insert(at, frame=frame)
+        obj = opened_again()
+        for frame, knot in enumerate(KNOTS):
+            bpy.context.scene.frame_set(frame)
+            assert_allclose(scene.shown(obj), path.at([knot])[0], atol=1e-5)
 
 
 def _overridden():
