@@ -39,6 +39,16 @@ impl Fault {
         }
         (fault.count > 0).then_some(fault)
     }
+
+    /// Of vertices that a mesh of `n` does not have.
+    pub fn out_of_range<'a>(
+        argument: &str,
+        vertices: impl IntoIterator<Item = &'a u32>,
+        n: usize,
+    ) -> Option<Self> {
+        let outside = vertices.into_iter().map(|&v| v as usize).filter(|&v| v >= n);
+        Self::at(argument, format!("vertex index out of range, the mesh has {n} vertices"), outside)
+    }
 }
 
 impl fmt::Display for Fault {

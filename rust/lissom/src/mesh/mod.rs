@@ -11,6 +11,7 @@ pub use crate::geometry::frame::UnitFrame;
 pub use crate::geometry::plane::Plane;
 pub use adjacency::{Adjacency, Corner, HalfEdge};
 pub use components::Components;
+pub(crate) use distance::Paths;
 
 use crate::geometry::triangle::TriangleGeometry;
 use crate::{Error, Fault, Mat3, Result, Vec3};
@@ -246,17 +247,20 @@ impl Mesh {
     ///
     /// [`crate::Error::InvalidConstraint`] for none and for indices out of range.
     pub fn edge_distances(&self, sources: &[u32]) -> Result<Vec<f64>> {
-        let n = self.vertices.len();
         if sources.is_empty() {
             return Err(Error::InvalidConstraint(Fault::new("vertices", "there is none")));
         }
-        let outside = sources.iter().filter(|&&v| v as usize >= n).map(|&v| v as usize);
-        let problem = format!("vertex index out of range, the mesh has {n} vertices");
-        if let Some(fault) = Fault::at("vertices", problem, outside) {
+        if let Some(fault) = Fault::out_of_range("vertices", sources, self.vertices.len()) {
             return Err(Error::InvalidConstraint(fault));
         }
-        let sources: Vec<u32> = sources.iter().map(|&v| self.representative(v)).collect();
-        let mut distances = distance::along_edges(&self.adjacency, &self.vertices, &sources);
+        let mut distances = vec![f64::INFINITY; self.vertices.len()];
+        let sources = sources.iter().map(|&v| (self.representative(v), 0.0));
+        Paths::new(&self.adjacency, &self.vertices, 0.0).shorten(
+            &mut distances,
+            sources,
+            f64::INFINITY,
+            |_| {},
+        );
         self.follow(&mut distances);
         Ok(distances)
     }

@@ -45,9 +45,7 @@ pub(super) fn owners(n: usize, handles: &[Handle]) -> Result<Vec<Option<u32>>> {
     if let Some(fault) = Fault::at("handles", "empty handle", empty) {
         return invalid(fault);
     }
-    let outside = handles.iter().flat_map(|h| &h.vertices).filter(|&&v| v as usize >= n).map(|&v| v as usize);
-    let problem = format!("vertex index out of range, the mesh has {n} vertices");
-    if let Some(fault) = Fault::at("handles", problem, outside) {
+    if let Some(fault) = Fault::out_of_range("handles", handles.iter().flat_map(|h| &h.vertices), n) {
         return invalid(fault);
     }
     let mut owner = vec![None; n];
@@ -79,9 +77,7 @@ pub(super) fn membership(n: usize, roi: &[u32]) -> Result<Vec<bool>> {
     if roi.is_empty() {
         return Err(Error::InvalidConstraint(Fault::new("roi", "the region of interest is empty")));
     }
-    let outside = roi.iter().filter(|&&v| v as usize >= n).map(|&v| v as usize);
-    let problem = format!("vertex index out of range, the mesh has {n} vertices");
-    if let Some(fault) = Fault::at("roi", problem, outside) {
+    if let Some(fault) = Fault::out_of_range("roi", roi, n) {
         return Err(Error::InvalidConstraint(fault));
     }
     let mut inside = vec![false; n];

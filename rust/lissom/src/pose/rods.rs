@@ -17,13 +17,11 @@
 //! finger straight. The thickness `t_i` of the body is no more than the length of any rod, however near, and the way to
 //! it on the surface: `t_i = min_j l_j + |path(i, j)|`.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use rayon::prelude::*;
 
 use crate::geometry::rows::Rows;
 use crate::geometry::surface::Surface;
+use crate::mesh::Paths;
 use crate::operators::mass::lumped_mass;
 use crate::stitch::{Differences, Volumes};
 use crate::{Fault, Mesh, Vec3};
@@ -103,7 +101,7 @@ pub(super) fn rods(mesh: &Mesh) -> (Vec<Owned>, Option<String>) {
         })
         .collect();
     let lengths: Vec<f64> = found.iter().map(|rod| rod.map_or(f64::INFINITY, |rod| rod.length)).collect();
-    let paths = Paths::of(mesh);
+    let paths = Paths::new(mesh.adjacency(), rest, TIE);
     let mut thickness = lengths.clone();
     paths.shorten(&mut thickness, (0u32..).zip(lengths), f64::INFINITY, |_| {});
     let mut nearest = vec![None; rest.len()];
@@ -152,53 +150,4 @@ fn inward_normals(triangles: &[[u32; 3]], rest: &[Vec3]) -> Vec<Vec3> {
         }
     }
     normals.into_iter().map(Vec3::normalize_or_zero).collect()
-}
-
-/// Ways along the edges of a mesh.
-struct Paths<'a> {
-    mesh: &'a Mesh,
-    neighbours: Rows<u32>,
-}
-
-impl<'a> Paths<'a> {
-    fn of(mesh: &'a Mesh) -> Self {
-        let edges = mesh.adjacency().edges().iter();
-        let both = edges.flat_map(|&[a, b]| [(a, b), (b, a)]);
-        Self { mesh, neighbours: Rows::sort(mesh.rest().len(), both) }
-    }
-
-    /// Dijkstra's algorithm: from vertices at some distance, shortens the `distances` within `reach` of others, and
-    /// tells whose.
-    fn shorten(
-        &self,
-        distances: &mut [f64],
-        from: impl IntoIterator<Item = (u32, f64)>,
-        reach: f64,
-        mut shortened: impl FnMut(u32),
-    ) {
-        // Numbers that are not negative are ordered as their bits are.
-        let mut next = BinaryHeap::new();
-        for (v, distance) in from {
-            if distance < distances[v as usize] {
-                distances[v as usize] = distance;
-                shortened(v);
-            }
-            next.push(Reverse((distance.to_bits(), v)));
-        }
-        while let Some(Reverse((bits, v))) = next.pop() {
-            let distance = f64::from_bits(bits);
-            if distance > distances[v as usize] {
-                continue;
-            }
-            for &w in self.neighbours.of(v as usize) {
-                let rest = self.mesh.rest();
-                let further = distance + rest[v as usize].distance(rest[w as usize]);
-                if further * (1.0 + TIE) < distances[w as usize] && further <= reach * (1.0 + TIE) {
-                    distances[w as usize] = further;
-                    shortened(w);
-                    next.push(Reverse((further.to_bits(), w)));
-                }
-            }
-        }
-    }
 }

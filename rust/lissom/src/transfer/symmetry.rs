@@ -63,10 +63,10 @@ impl Mirror {
 
     /// The plane across `axis`, seen from every `step`-th vertex; `None` where the mesh is not symmetric about it.
     fn about(axis: usize, mesh: &Mesh, surface: &Surface, normals: &[Vec3], step: usize) -> Option<Self> {
-        let count = mesh.rest().len();
+        let (count, plane) = (mesh.rest().len(), Plane::across(axis));
         let place = |v: usize| {
             mesh.components().of_vertex(v)?;
-            let (point, normal) = (flip(mesh.rest()[v], axis), flip(normals[v], axis));
+            let (point, normal) = (plane.reflect(mesh.rest()[v]), plane.reflect(normals[v]));
             let hit = surface.closest_compatible_point(point, normal)?;
             let corners = mesh.triangles()[hit.triangle];
             Some((hit.distance, (corners, surface.weights(hit.triangle, hit.point))))
@@ -81,11 +81,11 @@ impl Mirror {
     /// How far `displacements` are from their own mirror image, root mean square over their own; 0 where there are
     /// none.
     pub fn difference(&self, displacements: &[Vec3]) -> f64 {
-        let (mut off, mut own) = (0.0, 0.0);
+        let (mut off, mut own, plane) = (0.0, 0.0, Plane::across(self.axis));
         for (d, place) in displacements.iter().zip(&self.places) {
             let Some((corners, weights)) = place else { continue };
             let there: Vec3 = (0..3).map(|k| displacements[corners[k] as usize] * weights[k]).sum();
-            off += d.distance_squared(flip(there, self.axis));
+            off += d.distance_squared(plane.reflect(there));
             own += d.length_squared();
         }
         if own > 0.0 { (off / own).sqrt() } else { 0.0 }
@@ -109,7 +109,7 @@ impl Twins {
             let vertices = [twins(source, &of_source, axis)?, twins(target, &of_target, axis)?];
             let off = |(v, twin): (usize, &Option<u32>)| {
                 let (here, there) = ((*images.get(v)?)?, (*images.get((*twin)? as usize)?)?);
-                Some(here.distance_squared(flip(there, axis)))
+                Some(here.distance_squared(Plane::across(axis).reflect(there)))
             };
             let all: Vec<f64> = vertices[1].iter().enumerate().filter_map(off).collect();
             let mean = all.iter().sum::<f64>() / all.len() as f64;
@@ -152,11 +152,6 @@ fn triangle_twins(mesh: &Mesh, twins: &[Option<u32>]) -> Vec<Option<u32>> {
         places.get(&sorted([a?, b?, c?])).copied()
     };
     mesh.triangles().iter().map(twin).collect()
-}
-
-fn flip(mut vector: Vec3, axis: usize) -> Vec3 {
-    vector[axis] = -vector[axis];
-    vector
 }
 
 #[cfg(test)]
