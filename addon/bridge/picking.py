@@ -143,7 +143,7 @@ class Stage:
 
     def _hidden(self, mark, behind=True):
         obj, place = self._ends[mark.side], self._place(mark)
-        normal = obj.matrix_world.inverted_safe().to_3x3().transposed() @ self._mean(mark, "normal")
+        normal = _of_normals(obj) @ self._mean(mark, "normal")
         if self._facing(place, normal) < 0:
             return True
         return behind and self._sight.hides(self._view, place, obj.dimensions.length)
@@ -166,7 +166,7 @@ class Stage:
                 continue
             matrix = np.array(obj.matrix_world, dtype=np.float64)
             ends = positions(mesh.vertices)[edges] @ matrix[:3, :3].T + matrix[:3, 3]
-            outward = obj.matrix_world.inverted_safe().to_3x3().transposed()
+            outward = _of_normals(obj)
             for edge, share in near_edges(self._view, ends, mouse, reach):
                 place = Vector((1 - share) * ends[edge, 0] + share * ends[edge, 1])
                 facing = self._facing(place, outward @ mesh.polygons[int(faces[edge])].normal)
@@ -208,3 +208,8 @@ def _nearest(mesh, place):
 def ui_scale():
     """Pixels a unit of the interface has."""
     return bpy.context.preferences.system.ui_scale
+
+
+def _of_normals(obj):
+    """The matrix that takes an object's normals to the world."""
+    return obj.matrix_world.inverted_safe().to_3x3().transposed()
