@@ -2,11 +2,12 @@
 
 import bpy
 
-from . import commands, ghost, live, marks, rebind
+from . import commands, ghost, live, marks, preferences, rebind
 from .operators import (
     inbetween_arcs,
     inbetween_bake,
     inbetween_image,
+    page,
     pose_apply,
     pose_bake,
     pose_bind,
@@ -19,21 +20,27 @@ from .operators import (
     transfer_pick,
     transfer_pose,
     transfer_show,
+    transfer_sides,
     transfer_views,
 )
 from .panels import inbetween as inbetween_panel
+from .panels import main as main_panel
+from .panels import menus
 from .panels import pose as pose_panel
 from .panels import transfer as transfer_panel
 from .properties import inbetween as inbetween_properties
+from .properties import main as main_properties
 from .properties import pose as pose_properties
 from .properties import transfer as transfer_properties
 
-_PROPERTIES = (pose_properties, transfer_properties, inbetween_properties)
+_PROPERTIES = (main_properties, pose_properties, transfer_properties, inbetween_properties)
 _OPERATORS = (
+    page,
     pose_handles,
     pose_bind,
     pose_apply,
     pose_bake,
+    transfer_sides,
     transfer_markers,
     transfer_pick,
     transfer_views,
@@ -47,8 +54,9 @@ _OPERATORS = (
     inbetween_arcs,
     inbetween_image,
 )
-_PANELS = (pose_panel, transfer_panel, inbetween_panel)  # in the order of the tab
-_CLASSES = [cls for module in (*_PROPERTIES, *_OPERATORS, *_PANELS) for cls in module.classes]
+_PANELS = (main_panel, pose_panel, transfer_panel, inbetween_panel)  # in the order of the tab
+_MODULES = (*_PROPERTIES, *_OPERATORS, *_PANELS, menus, preferences)
+_CLASSES = [cls for module in _MODULES for cls in module.classes]
 
 
 def register():
@@ -57,6 +65,7 @@ def register():
     for module in _PROPERTIES:
         module.register()
     inbetween_image.register()
+    menus.register()
     live.register()
     ghost.register()
     marks.register()
@@ -69,6 +78,7 @@ def unregister():
     ghost.unregister()
     rebind.unregister()
     live.unregister()
+    menus.unregister()
     inbetween_image.unregister()
     for module in reversed(_PROPERTIES):
         module.unregister()

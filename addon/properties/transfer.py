@@ -213,6 +213,12 @@ class LissomMarker(bpy.types.PropertyGroup):
         if place is not None:
             setattr(self, f"{side}_place", place)
 
+    def swap(self):
+        """Exchanges its points on source and target."""
+        (source, target), places = self.ends, (self.place("source"), self.place("target"))
+        self.put("source", target, places[1])
+        self.put("target", source, places[0])
+
 
 class LissomCurve(bpy.types.PropertyGroup):
     """One curve: paths along edges of both meshes by their vertices, and their places at rest as JSON."""
@@ -374,6 +380,29 @@ class LissomTransfer(bpy.types.PropertyGroup):
             ("residual", "Residual", "How far the key is from what was asked of each face"),
         ],
     )
+
+    def swap(self):
+        """Source and target change places, with their further objects, marks, curves and masks."""
+        for name in ("", "_mask", "_edges"):
+            _exchange(self, name)
+        for row in self.markers:
+            row.swap()
+        for row in self.curves:
+            _exchange(row, "")
+            _exchange(row, "_places")
+        sides = [[row.object for row in parts] for parts in (self.target_parts, self.source_parts)]
+        for parts, objects in zip((self.source_parts, self.target_parts), sides, strict=True):
+            parts.clear()
+            for obj in objects:
+                parts.add().object = obj
+
+
+def _exchange(row, what):
+    """Swaps ``source`` and ``target`` of a row, or what is named after them."""
+    names = f"source{what}", f"target{what}"
+    values = [getattr(row, name) for name in names]
+    for name, value in zip(names, reversed(values), strict=True):
+        setattr(row, name, value)
 
 
 classes = (

@@ -13,6 +13,7 @@ BEGIN, END = "<!-- imports of the extension -->", "<!-- end of the imports of th
 LAYERS = (
     ("core", "session"),
     ("bridge",),
+    ("preferences",),
     ("live", "ghost", "marks"),
     ("rebind",),
     ("properties",),
