@@ -2,7 +2,8 @@
 
 import bpy
 
-from . import commands, ghost, live, marks, preferences, rebind
+from . import commands, live, preferences, rebind
+from .drawing import ghost, guide, marks
 from .operators import (
     inbetween_arcs,
     inbetween_bake,
@@ -15,6 +16,7 @@ from .operators import (
     transfer_attributes,
     transfer_fit,
     transfer_keys,
+    transfer_landmarks,
     transfer_markers,
     transfer_parts,
     transfer_pick,
@@ -42,6 +44,7 @@ _OPERATORS = (
     pose_bake,
     transfer_sides,
     transfer_markers,
+    transfer_landmarks,
     transfer_pick,
     transfer_views,
     transfer_fit,
@@ -55,6 +58,7 @@ _OPERATORS = (
     inbetween_image,
 )
 _PANELS = (main_panel, pose_panel, transfer_panel, inbetween_panel)  # in the order of the tab
+_DRAWING = (ghost, marks, guide)
 _MODULES = (*_PROPERTIES, *_OPERATORS, *_PANELS, menus, preferences)
 _CLASSES = [cls for module in _MODULES for cls in module.classes]
 
@@ -67,15 +71,15 @@ def register():
     inbetween_image.register()
     menus.register()
     live.register()
-    ghost.register()
-    marks.register()
+    for module in _DRAWING:
+        module.register()
     commands.register()
 
 
 def unregister():
     commands.unregister()
-    marks.unregister()
-    ghost.unregister()
+    for module in reversed(_DRAWING):
+        module.unregister()
     rebind.unregister()
     live.unregister()
     menus.unregister()

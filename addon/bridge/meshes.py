@@ -36,6 +36,11 @@ def triangles(mesh):
     return flat.reshape(-1, 3)
 
 
+def surface(obj):
+    """(vertices, triangles) of an object at rest, in its own coordinates."""
+    return rest_positions(obj.data), triangles(obj.data)
+
+
 def polygons_of_triangles(mesh):
     """(m,) int32: the face that each triangle of Blender's own triangulation is part of."""
     mesh.calc_loop_triangles()

@@ -2,8 +2,8 @@
 
 import bpy
 
-from .. import ghost
 from ..bridge import arcs, checks, sliders
+from ..drawing import ghost
 from ..properties.inbetween import SETTINGS, PathSettings
 from .common import Sidebar, draw_fold, draw_lines, split_column
 

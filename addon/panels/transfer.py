@@ -24,6 +24,8 @@ class LISSOM_UL_markers(bpy.types.UIList):
         number.label(text=str(item.number or index + 1))
         if item.ends in doubts(data):
             row.label(text="", icon="ERROR")
+        if item.guessed:
+            row.prop(item, "guessed", text="", icon="QUESTION", emboss=False)
         row.prop(item, "name", text="", emboss=False)
         row.prop(item, "mirror", text="", icon="MOD_MIRROR", emboss=False)
         row.operator("lissom.marker_show", text="", icon="RESTRICT_SELECT_OFF", emboss=False).index = index
@@ -79,7 +81,7 @@ class LISSOM_UL_quality(bpy.types.UIList):
 
 
 class LISSOM_MT_markers(bpy.types.Menu):
-    """Files and the whole list"""
+    """Files, landmarks, and the whole list"""
 
     bl_idname = "LISSOM_MT_markers"
     bl_label = "Markers"
@@ -91,6 +93,11 @@ class LISSOM_MT_markers(bpy.types.Menu):
         layout.operator("lissom.marker_save", icon="EXPORT", text="Save...")
         layout.separator()
         layout.operator("lissom.marker_clear", icon="X", text="Remove All")
+        layout.separator()
+        layout.operator("lissom.landmarks_pair", icon="LINKED")
+        guess = layout.operator("lissom.landmarks_guess", icon="QUESTION")
+        for name in FIT_OPTIONS:
+            setattr(guess, name, getattr(context.scene.lissom_transfer, name))
 
 
 VERDICT_ICONS = {"good": "CHECKMARK", "look": "HIDE_OFF", "bad": "ERROR"}
@@ -224,6 +231,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         )
         row.operator("lissom.marker_views", text="", icon="SPLIT_VERTICAL", depress=session.views is not None)
         row.prop(settings, "show_markers", text="", icon="HIDE_OFF" if settings.show_markers else "HIDE_ON")
+        split_column(layout).prop(settings, "landmarks")
         row = layout.row()
         row.template_list("LISSOM_UL_markers", "", settings, "markers", settings, "active_marker", rows=4)
         side = row.column(align=True)
@@ -232,6 +240,8 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         side.separator()
         side.operator("lissom.marker_mirror", text="", icon="MOD_MIRROR")
         side.menu("LISSOM_MT_markers", text="", icon="DOWNARROW_HLT")
+        if any(row.guessed for row in settings.markers):
+            layout.operator("lissom.landmarks_confirm", icon="CHECKMARK")
         if settings.active_marker < len(settings.markers):
             active = settings.markers[settings.active_marker]
             row = layout.row(align=True)
@@ -275,7 +285,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             row.operator("lissom.marker_suggest", icon="OUTLINER_OB_LIGHT")
         if shown:
             draw_lines(layout, "NONE", LEGEND.format(limit=100 * LIMIT))
-        markers = [row.ends for row in settings.markers]
+        markers = [row.ends for row in settings.markers if not row.guessed]
         listed = ([], []) if settings.overlap else (markers, [row.vertices for row in settings.curves])
         if (memory.pairs, memory.curves) == listed:
             draw_lines(layout, "CHECKMARK", memory.summary)

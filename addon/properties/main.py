@@ -4,9 +4,9 @@ import bpy
 from bpy.props import EnumProperty
 
 PAGES = [
-    ("POSE", "Pose", "Move a few handles, and the mesh follows with its details intact", "CON_ARMATURE", 0),
-    ("TRANSFER", "Transfer", "Carry shape keys over to a mesh of other topology", "MOD_DATA_TRANSFER", 1),
-    ("INBETWEEN", "In-between", "Play the arc between two shape keys by a slider", "IPO_EASE_IN_OUT", 2),
+    ("POSE", "Pose", "Move a few handles, and the mesh follows with its details intact"),
+    ("TRANSFER", "Transfer", "Carry shape keys over to a mesh of other topology"),
+    ("INBETWEEN", "In-between", "Play the arc between two shape keys by a slider"),
 ]
 
 classes = ()

@@ -14,7 +14,7 @@ LAYERS = (
     ("core", "session"),
     ("bridge",),
     ("preferences",),
-    ("live", "ghost", "marks"),
+    ("live", "drawing"),
     ("rebind",),
     ("properties",),
     ("panels",),

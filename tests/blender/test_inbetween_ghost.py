@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 import scene
-from bl_ext.user_default.lissom import ghost
+from bl_ext.user_default.lissom.drawing import ghost
 from numpy.testing import assert_allclose
 from test_inbetween import keyed_tube, native_path
 

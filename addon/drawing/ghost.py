@@ -11,10 +11,10 @@ import numpy as np
 from bpy.app.handlers import persistent
 from gpu_extras.batch import batch_for_shader
 
-from . import preferences
-from .bridge import arcs, checks
-from .bridge.screen import redraw_sidebars, redraw_views
-from .core.refused import Refused
+from .. import preferences
+from ..bridge import arcs, checks
+from ..bridge.screen import redraw_sidebars, redraw_views
+from ..core.refused import Refused
 
 STEPS = 5
 LARGE, STEPS_LARGE = 200_000, 1  # from so many vertices on, the middle alone
