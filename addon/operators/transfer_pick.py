@@ -138,9 +138,13 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
                 self._pick(context, side, point)
         except Refused:  # another marker is there
             return self._skip(context)
-        if len(borne) == 2:  # a pair, after which the next was asked for
-            return
-        place = names.index(picked.wanted) + 1 if picked.wanted else 0
+        if len(borne) < 2:  # else it is a pair, after which the next was asked for
+            self._say(context)
+
+    def _say(self, context):
+        """What is asked for, in the status bar."""
+        names, picked = landmarks.names(context.scene.lissom_transfer), session.picking
+        place = names.index(picked.wanted) + 1 if picked.wanted in names else 0
         where = {"source": "on the target", "target": "on the source"}.get(picked.side, "on either mesh")
         asked = f"{place} of {len(names)}: {picked.wanted}, {where}    |    Tab: skip    |    "
         context.workspace.status_text_set(asked + HINT if place else HINT)
@@ -190,6 +194,8 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
             bridge_markers.append(context.scene, [new], settings.source, settings.target)
             self._done("Pick Marker Pair")
             self._ask(context)
+        else:
+            self._say(context)
 
     def _remove(self, context, index):
         if index < 0:

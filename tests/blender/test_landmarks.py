@@ -103,7 +103,7 @@ class Workspace:
 def picker(monkeypatch):
     """Asks as the modal operator does, without a window."""
     operator = type("Operator", (), {})()
-    for name in ("_ask", "_skip", "_pick", "_done"):
+    for name in ("_ask", "_say", "_skip", "_pick", "_done"):
         method = getattr(LISSOM_OT_marker_pick, name)
         setattr(operator, name, method.__get__(operator))
     operator._asked = None
@@ -123,6 +123,7 @@ def test_pick_asks_for_one_landmark_after_the_other(picker):
     picker.ask()
     assert picker.said().startswith("1 of 7: right eye, outer corner, on either mesh")
     picker.click("source", 3)
+    assert picker.said().startswith("1 of 7: right eye, outer corner, on the target")
     picker.click("target", 4)
     assert picker.said().startswith("2 of 7: right eye, inner corner")
     picker.skip()
