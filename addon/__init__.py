@@ -2,9 +2,10 @@
 
 import bpy
 
-from . import commands, live, preferences, rebind
+from . import commands, live, preferences, rebind, watch
 from .drawing import ghost, guide, marks
 from .operators import (
+    inbetween_all,
     inbetween_arcs,
     inbetween_bake,
     inbetween_image,
@@ -56,6 +57,7 @@ _OPERATORS = (
     transfer_parts,
     transfer_show,
     inbetween_bake,
+    inbetween_all,
     inbetween_arcs,
     inbetween_image,
 )
@@ -74,6 +76,7 @@ def register():
     pose_tool.register()
     menus.register()
     live.register()
+    watch.register()
     for module in _DRAWING:
         module.register()
     commands.register()
@@ -84,6 +87,7 @@ def unregister():
     for module in reversed(_DRAWING):
         module.unregister()
     rebind.unregister()
+    watch.unregister()
     live.unregister()
     menus.unregister()
     pose_tool.unregister()

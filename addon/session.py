@@ -13,6 +13,7 @@ work = None  # core.work.Work that a modal operator runs now; there is at most o
 colours = {}  # session_uid of a mesh object -> its active colour attribute before the colours of a fit
 shadings = {}  # (screen, place of the area) -> shading of a 3D view before the colours of a fit
 picking = None  # core.picking.Picking while markers are picked
+stale = {}  # session_uid of a mesh object -> names of its arcs whose ends were changed since they were baked
 views = None  # (the area that was split, the new one), by their addresses, while there are two for picking
 history = 0  # counts undo, redo and file loading
 
@@ -26,4 +27,5 @@ def clear():
     status.clear()
     shadings.clear()
     colours.clear()
+    stale.clear()
     fit = picking = views = None

@@ -14,7 +14,7 @@ LAYERS = (
     ("core", "session"),
     ("bridge",),
     ("preferences",),
-    ("live", "drawing"),
+    ("live", "drawing", "watch"),
     ("rebind",),
     ("properties",),
     ("panels",),
