@@ -8,6 +8,7 @@ from .operators import (
     inbetween_all,
     inbetween_arcs,
     inbetween_bake,
+    inbetween_export,
     inbetween_image,
     page,
     pose_apply,
@@ -59,6 +60,7 @@ _OPERATORS = (
     inbetween_bake,
     inbetween_all,
     inbetween_arcs,
+    inbetween_export,
     inbetween_image,
 )
 _PANELS = (main_panel, pose_panel, transfer_panel, inbetween_panel)  # in the order of the tab

@@ -131,6 +131,13 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
         if stale:
             draw_lines(layout, "ERROR", f"{len(stale)} are out of date: an end of theirs was changed since")
             layout.operator("lissom.inbetween_update_all", icon="FILE_REFRESH").object = obj.name
+        ready = settings.exported
+        if ready:
+            draw_lines(layout, "INFO", "Keyframes play the arcs, for export: sliders rest meanwhile")
+        export = layout.operator(
+            "lissom.inbetween_export", text="Back to Sliders" if ready else "For Export", icon="EXPORT"
+        )
+        export.object, export.restore = obj.name, ready
         for arc in baked:
             row = layout.row(align=True)
             if arc.name in stale:

@@ -193,6 +193,7 @@ class LissomInbetween(_GhostedPathSettings, ArcSettings, bpy.types.PropertyGroup
         update=_changed,
     )
     arcs: CollectionProperty(type=LissomArc)
+    exported: BoolProperty(options={"HIDDEN"}, description="Keyframes stand in for the drivers of the arcs")
     several: BoolProperty(
         name="Several Keys",
         description="Bake arcs to many shape keys in one go, each under a slider of its own",
