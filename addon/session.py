@@ -10,7 +10,6 @@ rebinding = {}  # name of a mesh object -> core.work.Work that binds it anew, No
 status = {}  # name of a mesh object -> (icon, text) about its live pose
 fit = None  # operators.transfer_fit.Memory: the last fit
 work = None  # core.work.Work that a modal operator runs now; there is at most one
-work_of = ""  # bl_idname of that operator
 colours = {}  # session_uid of a mesh object -> its active colour attribute before the colours of a fit
 shadings = {}  # (screen, place of the area) -> shading of a 3D view before the colours of a fit
 picking = None  # core.picking.Picking while markers are picked

@@ -10,8 +10,9 @@ from .. import session
 from ..core import marker_file, markers, marks
 from ..core.picking import Mark
 from ..core.refused import Refused, first
+from . import landmarks
 from .assembly import both_sides
-from .meshes import edge_signature, rest_place, rest_positions, signature, triangles
+from .meshes import edge_signature, rest_place, rest_positions, signature, surface
 from .screen import redraw_views
 
 SIDES = ("source", "target")
@@ -39,6 +40,7 @@ def gather(context, sources, targets, text, filepath):
         curves = curves_of_file(loaded, source, target)
     else:
         pairs, warnings = current(context.scene, source, target)
+        pairs = [marker for marker in pairs if not marker.guessed]
         curves = current_curves(context.scene, source, target)
     counts = len(source.data.vertices), len(target.data.vertices)
     markers.check(pairs, *counts)
@@ -65,7 +67,7 @@ def of_scene(scene):
 def _marker(row):
     marker = markers.Marker.between(row.name, *row.ends)
     places = {f"{side}_place": row.place(side) for side in SIDES}
-    return marker._replace(mirror=row.mirror, number=row.number, **places)
+    return marker._replace(mirror=row.mirror, number=row.number, guessed=row.guessed, **places)
 
 
 def curves_of_scene(scene):
@@ -167,11 +169,6 @@ def _found_again(pairs, ends, changed):
     return pairs, warnings
 
 
-def surface(obj):
-    """(vertices, triangles) of an object at rest, in its own coordinates."""
-    return rest_positions(obj.data), triangles(obj.data)
-
-
 def placed(pairs, source, target):
     """The pairs with the places that their points have now; None where a mesh has no such vertices."""
     rests = dict(zip(SIDES, (rest_positions(obj.data) for obj in (source, target)), strict=True))
@@ -220,6 +217,8 @@ def put(scene, pairs, source=None, target=None, curves=None):
         curves = current_curves(scene, *ends) if all(ends) else curves_of_scene(scene)
     if all(ends):
         pairs, curves = placed(pairs, *ends), curves_placed(curves, *ends)
+        for side, obj in zip(SIDES, ends, strict=True):
+            landmarks.keep(obj, pairs, side)
     settings.curves.clear()
     for curve in curves:
         row = settings.curves.add()
@@ -234,6 +233,7 @@ def put(scene, pairs, source=None, target=None, curves=None):
         rows.add()
     for row, marker in zip(rows, markers.numbered(pairs), strict=True):
         row.name, row.mirror, row.number = marker.name, marker.mirror, marker.number
+        row.guessed = marker.guessed
         for side in SIDES:
             row.put(side, marker.point(side), marker.place(side))
     for side, obj in zip(SIDES, ends, strict=True):
@@ -257,7 +257,10 @@ def move(scene, index, side, point):
     others = [row.point(side) for place, row in enumerate(settings.markers) if place != index]
     if point not in others:
         rest = [rest_place(getattr(settings, side).data, corner) for corner in point.corners]
-        settings.markers[index].put(side, point, tuple(np.array(point.weights) @ np.array(rest)))
+        row = settings.markers[index]
+        row.put(side, point, tuple(np.array(point.weights) @ np.array(rest)))
+        row.guessed = False
+        landmarks.keep(getattr(settings, side), [_marker(row)], side)
 
 
 def _number(rows):

@@ -194,7 +194,9 @@ class Request:
         session.fit = Memory(*known, fit, summary(fit.report), doubted, self._weak(fit))
         if self._own and any(self._listed) and self._listed == _listed(context.scene):
             ends = self.source.objects()[0], self.target.objects()[0]
-            bridge_markers.put(context.scene, self.pairs, *ends, curves=self.curves)
+            fitted = iter(self.pairs)
+            pairs = [marker if marker.guessed else next(fitted) for marker in self._listed[0]]
+            bridge_markers.put(context.scene, pairs, *ends, curves=self.curves)
 
 
 def ready(operator_class, context, keys=False, writes=False):

@@ -289,6 +289,7 @@ class LISSOM_OT_marker_save(ExportHelper, bpy.types.Operator):
         source, target = bridge_markers.pair_of_objects(context, self.source, self.target)
         ends = [(obj.name, len(obj.data.vertices)) for obj in (source, target)]
         pairs, warnings = bridge_markers.current(context.scene, source, target)
+        pairs = [marker for marker in pairs if not marker.guessed]
         markers.check(pairs, *(count for _, count in ends))
         curves = bridge_markers.current_curves(context.scene, source, target)
         markers.check_curves(curves, *(count for _, count in ends))
@@ -331,7 +332,7 @@ class LISSOM_OT_marker_mirror(bpy.types.Operator):
         known, warnings = bridge_markers.current(context.scene, *ends)
         counts = [len(obj.data.vertices) for obj in ends]
         markers.check(known, *counts)
-        surfaces = [bridge_markers.surface(obj) for obj in ends]
+        surfaces = [meshes.surface(obj) for obj in ends]
         images = [
             marks.mirrored(*surface, [marker.point(side) for marker in known], "XYZ".index(self.axis))
             for side, surface in zip(bridge_markers.SIDES, surfaces, strict=True)

@@ -87,7 +87,7 @@ class LISSOM_OT_marker_suggest(bpy.types.Operator):
     @answering
     def execute(self, context):
         memory, source, target = _remembered()
-        known = bridge_markers.of_scene(context.scene)
+        known = [marker for marker in bridge_markers.of_scene(context.scene) if not marker.guessed]
         if not known:  # a first marker alone would say less than the shapes do
             raise Refused("There are no markers to add to: mark three pairs yourself first")
         if [marker.ends for marker in known] != memory.pairs:

@@ -2,37 +2,46 @@
 
 import bpy
 
-from .. import ghost
 from ..bridge import arcs, checks, sliders
+from ..drawing import ghost
 from ..properties.inbetween import SETTINGS, PathSettings
-from .common import Sidebar, draw_fold, draw_lines, draw_progress, split_column
+from .common import Sidebar, draw_fold, draw_lines, split_column
+
+
+def set_bake(button, obj):
+    """Gives the button of Bake what the panel of this object says."""
+    button.object = obj.name
+    for name in ("start", "end", "slider", *SETTINGS):
+        setattr(button, name, getattr(obj.lissom_inbetween, name))
 
 
 class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
     """Bake the arc between two shape keys, to be played by one slider."""
 
     bl_idname = "LISSOM_PT_inbetween"
+    page = "INBETWEEN"
     bl_label = "In-between"
 
     def draw(self, context):
         layout = self.layout
         obj = checks.active_mesh(context)
         if obj is None:
-            layout.label(text="Select a mesh object", icon="INFO")
+            draw_lines(layout, "INFO", "Select a mesh object that has shape keys, or make one of a drawing:")
             layout.operator("lissom.inbetween_image", icon="IMAGE_DATA")
             return
         layout.context_pointer_set("lissom_object", obj)
         layout.label(text=obj.name, icon="OUTLINER_OB_MESH", translate=False)
         settings = obj.lissom_inbetween
-        keys = obj.data.shape_keys
-        column = split_column(layout)
-        if keys:
-            column.prop(
-                settings, "start", text="From" if settings.start else "From (Basis)", icon="SHAPEKEY_DATA"
+        if obj.data.shape_keys is None:
+            draw_lines(
+                layout, "INFO", "This mesh has no shape keys yet: sculpt one, or pose one and press Apply"
             )
-            column.prop(settings, "end", icon="SHAPEKEY_DATA")
-        else:
-            draw_lines(column, "INFO", "This mesh has no shape keys yet")
+            return
+        column = split_column(layout)
+        column.prop(
+            settings, "start", text="From" if settings.start else "From (Basis)", icon="SHAPEKEY_DATA"
+        )
+        column.prop(settings, "end", icon="SHAPEKEY_DATA")
         column.prop(settings, "sampling")
         column.prop(settings, "tolerance" if settings.sampling == "TOLERANCE" else "count")
         column.prop(settings, "easing")
@@ -48,14 +57,10 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
             draw_lines(layout, "INFO", shadow.message)
         row = layout.row()
         row.scale_y = 1.4
-        bake = row.operator("lissom.inbetween_bake", icon="IPO_EASE_IN_OUT")
-        bake.object = obj.name
-        for name in ("start", "end", "slider", *SETTINGS):
-            setattr(bake, name, getattr(settings, name))
+        set_bake(row.operator("lissom.inbetween_bake", icon="IPO_EASE_IN_OUT"), obj)
         reason = arcs.refusal(obj)
         if reason:
             draw_lines(layout, "INFO", reason)
-        draw_progress(layout, "inbetween")
         self._draw_sliders(layout, obj, settings)
 
     def _draw_sliders(self, layout, obj, settings):

@@ -11,11 +11,11 @@ from bpy.props import (
     StringProperty,
 )
 
-from .. import ghost
 from ..bridge import shape_keys
 from ..core.easing import EASINGS
 from ..core.inbetween import MAX_COUNT
 from ..core.options import option
+from ..drawing import ghost
 from .options import option_property
 
 # A file stores the place in these lists: only append.

@@ -13,7 +13,8 @@ BEGIN, END = "<!-- imports of the extension -->", "<!-- end of the imports of th
 LAYERS = (
     ("core", "session"),
     ("bridge",),
-    ("live", "ghost", "marks"),
+    ("preferences",),
+    ("live", "drawing"),
     ("rebind",),
     ("properties",),
     ("panels",),

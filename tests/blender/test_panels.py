@@ -115,7 +115,7 @@ def text(drawn):
 def test_an_empty_scene_says_what_to_do(panels):
     assert "Select a mesh object" in text(draw(panels["pose"]))
     assert "Select a mesh object" in text(draw(panels["inbetween"]))
-    assert "lissom.transfer_fit" in draw(panels["transfer"])["operators"]
+    assert set(draw(panels["transfer"])["operators"]) == {"lissom.transfer_parts", "lissom.transfer_sides"}
 
 
 def test_pose_before_and_after_bind(panels):
@@ -249,7 +249,7 @@ def test_transfer_passes_its_settings_on(panels):
     scene.add_key(source, "K", scene.points(source.data.vertices))
     settings = bpy.context.scene.lissom_transfer
     drawn = text(draw(panels["transfer"]))
-    assert "Choose two different objects" in drawn and "Press Pick" not in drawn, "Pick is grey"
+    assert "Choose the mesh that has shape keys" in drawn and "Press Pick" not in drawn
     settings.source, settings.target = source, target
     assert "no markers are needed" in text(draw(panels["transfer"]))
     bpy.ops.lissom.transfer_fit()
@@ -297,8 +297,8 @@ def test_one_button_transfers_what_is_chosen(panels):
         drawn = draw(panels["transfer"])
         assert drawn["operators"][f"lissom.transfer_{operator}"] == [properties]
         assert (
-            sum(name.startswith("lissom.transfer_") for name in drawn["operators"]) == 3
-        )  # fit and parts too
+            sum(name.startswith("lissom.transfer_") for name in drawn["operators"]) == 4
+        )  # fit, parts and sides too
         assert "drivers" not in drawn["settings"]
     settings.what = "ANIMATION"
     drawn = draw(panels["transfer"])
@@ -417,15 +417,16 @@ def test_inbetween_passes_its_settings_on_and_shows_sliders(panels):
         assert given == [{"object": "Tube", "slider": "K arc"}]
 
 
-def test_work_is_shown_in_its_own_panel_only(panels, monkeypatch):
+def test_work_is_shown_on_top_in_place_of_the_pages(monkeypatch):
     scene.bound_tube()
 
     def steps():
         yield scene.Pause(0.5, "halfway")
 
+    main = bpy.types.LISSOM_PT_main
+    assert draw(main)["settings"] == ["lissom_page"]
     monkeypatch.setattr(session, "work", Work(steps()))
-    monkeypatch.setattr(session, "work_of", "LISSOM_OT_transfer_keys")
-    assert "halfway (ESC cancels)" in text(draw(panels["transfer"]))
-    assert "halfway" not in text(draw(panels["pose"]))
+    drawn = draw(main)
+    assert "halfway (ESC cancels)" in text(drawn) and not drawn["settings"]
     with scene.refused("Lissom is at work"):
         bpy.ops.lissom.pose_unbind(object="Tube")
