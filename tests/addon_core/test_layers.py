@@ -16,6 +16,7 @@ LAYERS = (
     ("preferences",),
     ("live", "drawing"),
     ("rebind",),
+    ("jobs",),
     ("properties",),
     ("panels",),
     ("operators",),
