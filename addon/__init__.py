@@ -13,6 +13,7 @@ from .operators import (
     pose_bake,
     pose_bind,
     pose_handles,
+    pose_tool,
     transfer_attributes,
     transfer_fit,
     transfer_keys,
@@ -42,6 +43,7 @@ _OPERATORS = (
     pose_bind,
     pose_apply,
     pose_bake,
+    pose_tool,
     transfer_sides,
     transfer_markers,
     transfer_landmarks,
@@ -69,6 +71,7 @@ def register():
     for module in _PROPERTIES:
         module.register()
     inbetween_image.register()
+    pose_tool.register()
     menus.register()
     live.register()
     for module in _DRAWING:
@@ -83,6 +86,7 @@ def unregister():
     rebind.unregister()
     live.unregister()
     menus.unregister()
+    pose_tool.unregister()
     inbetween_image.unregister()
     for module in reversed(_PROPERTIES):
         module.unregister()

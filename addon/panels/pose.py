@@ -58,12 +58,17 @@ class LISSOM_MT_handle_add(bpy.types.Menu):
             layout.label(text="No other vertex group")
 
 
-def set_bind(button, obj):
-    """Gives the button of Bind what the panel of this object says."""
+def bind_settings(obj):
+    """What the panel of an object says, as properties of ``lissom.pose_bind``."""
     asked = poses.asked(obj.lissom_pose)
     given = {"object": obj.name, **asked._asdict(), **asked.options}
     del given["options"]
-    for name, value in given.items():
+    return given
+
+
+def set_bind(button, obj):
+    """Gives the button of Bind what the panel of this object says."""
+    for name, value in bind_settings(obj).items():
         setattr(button, name, value)
 
 
@@ -112,7 +117,9 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         region = row.operator("lissom.pose_region_from_selection", text="", icon="ADD")
         region.object = obj.name
         column.separator()
-        column.label(text="Handles:")
+        row = column.row(align=True)
+        row.label(text="Handles:")
+        row.operator("wm.tool_set_by_id", text="On the Mesh", icon="BRUSH_DATA").name = "lissom.pose_tool"
         row = column.row()
         row.template_list("LISSOM_UL_handles", "", settings, "handles", settings, "active_handle", rows=3)
         side = row.column(align=True)
