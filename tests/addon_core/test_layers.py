@@ -16,6 +16,7 @@ LAYERS = (
     ("preferences",),
     ("live", "drawing", "watch"),
     ("rebind",),
+    ("jobs",),
     ("properties",),
     ("panels",),
     ("operators",),
