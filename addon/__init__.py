@@ -2,11 +2,13 @@
 
 import bpy
 
-from . import commands, live, preferences, rebind
+from . import commands, live, preferences, rebind, watch
 from .drawing import ghost, guide, marks
 from .operators import (
+    inbetween_all,
     inbetween_arcs,
     inbetween_bake,
+    inbetween_export,
     inbetween_image,
     page,
     pose_apply,
@@ -56,7 +58,9 @@ _OPERATORS = (
     transfer_parts,
     transfer_show,
     inbetween_bake,
+    inbetween_all,
     inbetween_arcs,
+    inbetween_export,
     inbetween_image,
 )
 _PANELS = (main_panel, pose_panel, transfer_panel, inbetween_panel)  # in the order of the tab
@@ -74,6 +78,7 @@ def register():
     pose_tool.register()
     menus.register()
     live.register()
+    watch.register()
     for module in _DRAWING:
         module.register()
     commands.register()
@@ -84,6 +89,7 @@ def unregister():
     for module in reversed(_DRAWING):
         module.unregister()
     rebind.unregister()
+    watch.unregister()
     live.unregister()
     menus.unregister()
     pose_tool.unregister()

@@ -14,6 +14,7 @@ edited = {}  # session_uid of a mesh object -> {name of a shape key: whether it 
 colours = {}  # session_uid of a mesh object -> its active colour attribute before the colours of a fit
 shadings = {}  # (screen, place of the area) -> shading of a 3D view before the colours of a fit
 picking = None  # core.picking.Picking while markers are picked
+stale = {}  # session_uid of a mesh object -> names of its arcs whose ends were changed since they were baked
 views = None  # (the area that was split, the new one), by their addresses, while there are two for picking
 history = 0  # counts undo, redo and file loading
 
@@ -28,4 +29,5 @@ def clear():
     edited.clear()
     shadings.clear()
     colours.clear()
+    stale.clear()
     fit = picking = views = None

@@ -417,6 +417,21 @@ def test_inbetween_passes_its_settings_on_and_shows_sliders(panels):
         assert given == [{"object": "Tube", "slider": "K arc"}]
 
 
+def test_several_arcs_are_ticked_and_baked_by_one_button(panels):
+    obj = scene.tube()
+    for name in ("half", "full"):
+        scene.add_key(obj, name, scene.points(obj.data.vertices))
+    obj.lissom_inbetween.several = True
+    bpy.ops.lissom.inbetween_choose(object="Tube", action="TOGGLE", key="full")
+    drawn = draw(panels["inbetween"])
+    assert "LISSOM_UL_arc_keys" in drawn["classes"] and "lissom.inbetween_bake" not in drawn["operators"]
+    assert drawn["operators"]["lissom.inbetween_bake_all"][0]["keys"] == "full"
+    bpy.ops.lissom.inbetween_bake_all(object="Tube", keys="full", count=1)
+    session.stale[obj.session_uid] = ["full arc"]
+    drawn = draw(panels["inbetween"])
+    assert "out of date" in text(drawn) and "lissom.inbetween_update_all" in drawn["operators"]
+
+
 def test_work_is_shown_on_top_in_place_of_the_pages(monkeypatch):
     scene.bound_tube()
 
