@@ -2,39 +2,57 @@
 
 import bpy
 
-from . import commands, ghost, live, marks, rebind
+from . import commands, live, preferences, rebind, watch
+from .drawing import ghost, guide, marks
 from .operators import (
+    inbetween_all,
     inbetween_arcs,
     inbetween_bake,
+    inbetween_export,
     inbetween_image,
+    page,
     pose_apply,
     pose_bake,
     pose_bind,
+    pose_company,
+    pose_drive,
     pose_handles,
+    pose_tool,
     transfer_attributes,
     transfer_fit,
     transfer_keys,
+    transfer_landmarks,
     transfer_markers,
     transfer_parts,
     transfer_pick,
     transfer_pose,
     transfer_show,
+    transfer_sides,
     transfer_views,
 )
 from .panels import inbetween as inbetween_panel
+from .panels import main as main_panel
+from .panels import menus
 from .panels import pose as pose_panel
 from .panels import transfer as transfer_panel
 from .properties import inbetween as inbetween_properties
+from .properties import main as main_properties
 from .properties import pose as pose_properties
 from .properties import transfer as transfer_properties
 
-_PROPERTIES = (pose_properties, transfer_properties, inbetween_properties)
+_PROPERTIES = (main_properties, pose_properties, transfer_properties, inbetween_properties)
 _OPERATORS = (
+    page,
     pose_handles,
+    pose_company,
     pose_bind,
     pose_apply,
     pose_bake,
+    pose_drive,
+    pose_tool,
+    transfer_sides,
     transfer_markers,
+    transfer_landmarks,
     transfer_pick,
     transfer_views,
     transfer_fit,
@@ -44,11 +62,15 @@ _OPERATORS = (
     transfer_parts,
     transfer_show,
     inbetween_bake,
+    inbetween_all,
     inbetween_arcs,
+    inbetween_export,
     inbetween_image,
 )
-_PANELS = (pose_panel, transfer_panel, inbetween_panel)  # in the order of the tab
-_CLASSES = [cls for module in (*_PROPERTIES, *_OPERATORS, *_PANELS) for cls in module.classes]
+_PANELS = (main_panel, pose_panel, transfer_panel, inbetween_panel)  # in the order of the tab
+_DRAWING = (ghost, marks, guide)
+_MODULES = (*_PROPERTIES, *_OPERATORS, *_PANELS, menus, preferences)
+_CLASSES = [cls for module in _MODULES for cls in module.classes]
 
 
 def register():
@@ -57,18 +79,24 @@ def register():
     for module in _PROPERTIES:
         module.register()
     inbetween_image.register()
+    pose_tool.register()
+    menus.register()
     live.register()
-    ghost.register()
-    marks.register()
+    watch.register()
+    for module in _DRAWING:
+        module.register()
     commands.register()
 
 
 def unregister():
     commands.unregister()
-    marks.unregister()
-    ghost.unregister()
+    for module in reversed(_DRAWING):
+        module.unregister()
     rebind.unregister()
+    watch.unregister()
     live.unregister()
+    menus.unregister()
+    pose_tool.unregister()
     inbetween_image.unregister()
     for module in reversed(_PROPERTIES):
         module.unregister()

@@ -7,11 +7,12 @@ import bpy
 import numpy as np
 
 from .. import session
-from ..core import marker_file, markers, marks
+from ..core import marker_file, marker_places, markers
 from ..core.picking import Mark
 from ..core.refused import Refused, first
+from . import landmarks
 from .assembly import both_sides
-from .meshes import edge_signature, rest_place, rest_positions, signature, triangles
+from .meshes import edge_signature, rest_place, rest_positions, signature, surface
 from .screen import redraw_views
 
 SIDES = ("source", "target")
@@ -39,6 +40,7 @@ def gather(context, sources, targets, text, filepath):
         curves = curves_of_file(loaded, source, target)
     else:
         pairs, warnings = current(context.scene, source, target)
+        pairs = [marker for marker in pairs if not marker.guessed]
         curves = current_curves(context.scene, source, target)
     counts = len(source.data.vertices), len(target.data.vertices)
     markers.check(pairs, *counts)
@@ -65,7 +67,7 @@ def of_scene(scene):
 def _marker(row):
     marker = markers.Marker.between(row.name, *row.ends)
     places = {f"{side}_place": row.place(side) for side in SIDES}
-    return marker._replace(mirror=row.mirror, number=row.number, **places)
+    return marker._replace(mirror=row.mirror, number=row.number, guessed=row.guessed, **places)
 
 
 def curves_of_scene(scene):
@@ -115,10 +117,10 @@ def _curves_found_again(curves, ends, changed):
             places = getattr(curve, f"{side}_places")
             if places is None or not len(vertices):
                 continue
-            found, away = marks.nearest(vertices, np.array(places))
+            found, away = marker_places.nearest(vertices, np.array(places))
             found = tuple(found.tolist())
             joined = all(frozenset(pair) in edges for pair in pairwise(found))
-            if not joined or away.max() > marks.FAR * marks.diagonal(vertices):
+            if not joined or away.max() > marker_places.FAR * marker_places.diagonal(vertices):
                 raise Refused(
                     f"'{obj.name}' was remodelled where curve '{curve.name}' runs, or is another mesh: "
                     "remove the curve, and add it anew"
@@ -150,7 +152,7 @@ def _found_again(pairs, ends, changed):
         if not obj.data.vertices:
             raise Refused(f"'{obj.name}' has no vertices: choose another object")
         places = np.array([pairs[number].place(side) for number in placed])
-        found = marks.found_again(*surface(obj), places)
+        found = marker_places.found_again(*surface(obj), places)
         lost = [pairs[number].name for number, point in zip(placed, found, strict=True) if point is None]
         if lost:
             raise Refused(
@@ -165,11 +167,6 @@ def _found_again(pairs, ends, changed):
         for number, point in zip(placed, found, strict=True):
             pairs[number] = pairs[number].on(side, point)
     return pairs, warnings
-
-
-def surface(obj):
-    """(vertices, triangles) of an object at rest, in its own coordinates."""
-    return rest_positions(obj.data), triangles(obj.data)
 
 
 def placed(pairs, source, target):
@@ -220,6 +217,8 @@ def put(scene, pairs, source=None, target=None, curves=None):
         curves = current_curves(scene, *ends) if all(ends) else curves_of_scene(scene)
     if all(ends):
         pairs, curves = placed(pairs, *ends), curves_placed(curves, *ends)
+        for side, obj in zip(SIDES, ends, strict=True):
+            landmarks.keep(obj, pairs, side)
     settings.curves.clear()
     for curve in curves:
         row = settings.curves.add()
@@ -234,6 +233,7 @@ def put(scene, pairs, source=None, target=None, curves=None):
         rows.add()
     for row, marker in zip(rows, markers.numbered(pairs), strict=True):
         row.name, row.mirror, row.number = marker.name, marker.mirror, marker.number
+        row.guessed = marker.guessed
         for side in SIDES:
             row.put(side, marker.point(side), marker.place(side))
     for side, obj in zip(SIDES, ends, strict=True):
@@ -257,7 +257,10 @@ def move(scene, index, side, point):
     others = [row.point(side) for place, row in enumerate(settings.markers) if place != index]
     if point not in others:
         rest = [rest_place(getattr(settings, side).data, corner) for corner in point.corners]
-        settings.markers[index].put(side, point, tuple(np.array(point.weights) @ np.array(rest)))
+        row = settings.markers[index]
+        row.put(side, point, tuple(np.array(point.weights) @ np.array(rest)))
+        row.guessed = False
+        landmarks.keep(getattr(settings, side), [_marker(row)], side)
 
 
 def _number(rows):

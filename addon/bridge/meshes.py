@@ -36,6 +36,11 @@ def triangles(mesh):
     return flat.reshape(-1, 3)
 
 
+def surface(obj):
+    """(vertices, triangles) of an object at rest, in its own coordinates."""
+    return rest_positions(obj.data), triangles(obj.data)
+
+
 def polygons_of_triangles(mesh):
     """(m,) int32: the face that each triangle of Blender's own triangulation is part of."""
     mesh.calc_loop_triangles()
@@ -74,11 +79,16 @@ def signature(mesh):
     return topology.signature(len(mesh.vertices), corners(mesh), starts)
 
 
-def edge_signature(mesh):
-    """The hash of the edges: unlike ``signature`` it is the same after flipping faces."""
+def edges(mesh):
+    """(m, 2) int32: the two vertices of each edge."""
     ends = np.empty(2 * len(mesh.edges), dtype=np.int32)
     mesh.edges.foreach_get("vertices", ends)
-    ends = np.sort(ends.reshape(-1, 2), axis=1)
+    return ends.reshape(-1, 2)
+
+
+def edge_signature(mesh):
+    """The hash of the edges: unlike ``signature`` it is the same after flipping faces."""
+    ends = np.sort(edges(mesh), axis=1)
     return topology.signature(len(mesh.vertices), ends[np.lexsort(ends.T)], np.empty(0))
 
 
@@ -94,10 +104,9 @@ def selected_edges(obj):
     """(k, 2) vertices of the selected edges, as last seen in edit mode or, where it is in edit mode, now."""
     obj.update_from_editmode()
     mesh = obj.data
-    flags, ends = np.empty(len(mesh.edges), dtype=bool), np.empty(2 * len(mesh.edges), dtype=np.int32)
+    flags = np.empty(len(mesh.edges), dtype=bool)
     mesh.edges.foreach_get("select", flags)
-    mesh.edges.foreach_get("vertices", ends)
-    return ends.reshape(-1, 2)[flags]
+    return edges(mesh)[flags]
 
 
 def select_only(obj, vertex):

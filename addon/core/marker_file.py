@@ -142,6 +142,7 @@ def _known(entry):
 
 def _row(marker):
     row = _known(marker)
+    del row["guessed"]
     if marker.mirror:
         del row["mirror"]
     if not marker.number:

@@ -11,7 +11,8 @@ class Marker(NamedTuple):
 
     A Point is None at the vertex itself. The places are those of the points at rest, in the objects' own
     coordinates, or None where unknown; ``mirror`` says whether symmetry may complete the pair; ``number``
-    is the one that it keeps whatever becomes of the others, 0 where it has none yet.
+    is the one that it keeps whatever becomes of the others, 0 where it has none yet. A ``guessed`` pair lies
+    where a fit has it, and tells a fit nothing until it is moved or confirmed.
     """
 
     name: str
@@ -23,6 +24,7 @@ class Marker(NamedTuple):
     source_point: Point | None = None
     target_point: Point | None = None
     number: int = 0
+    guessed: bool = False
 
     @classmethod
     def between(cls, name, source, target):

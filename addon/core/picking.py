@@ -1,6 +1,6 @@
 """Picking: what a view shows where, which mark or rim is under the mouse, and the half of a pair in hand."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -24,12 +24,15 @@ class Mark(NamedTuple):
 class Picking:
     """The half of a pair that is picked so far, and the ring around what a click would grab.
 
-    ``ring`` is (number of a region, (x, y) in it), or None.
+    ``ring`` is (number of a region, (x, y) in it), or None. ``wanted`` is the name of the landmark that
+    is asked for, or "", and ``skipped`` has those that are not.
     """
 
     side: str | None = None
     point: Point | None = None
     ring: tuple | None = None
+    wanted: str = ""
+    skipped: set = field(default_factory=set)
 
     def take(self, side, point):
         """Takes a click: {side: point} of the pair that it makes whole, or None. Again on a side it moves."""

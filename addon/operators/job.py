@@ -85,7 +85,7 @@ class JobOperator:
         work = self.begin(context)
         if work.finished:
             return self.finish(context, work.result)
-        session.work, session.work_of = work, self.bl_idname
+        session.work = work
         self._history = session.history
         manager = context.window_manager
         self._timer = manager.event_timer_add(POLL_SECONDS, window=context.window)

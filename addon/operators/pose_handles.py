@@ -5,7 +5,7 @@ import numpy as np
 from bpy.props import StringProperty
 from mathutils import Vector
 
-from ..bridge import checks, empties, groups, meshes
+from ..bridge import checks, empties, groups, standing
 from ..core import space
 from ..core.refused import Refused
 from .job import allowed, answering, shown_object, writable_mesh
@@ -25,7 +25,8 @@ def _poll(operator_class, context):
     return writable_mesh(operator_class, context, bound=False)
 
 
-def _unbound_object(name, context):
+def unbound_object(name, context):
+    """The mesh object of that name, "" for the active one; Refused where it is bound, or not to be written to."""
     obj = checks.mesh_object(name, context)
     if obj.mode != "EDIT":
         checks.require_writable(obj)
@@ -54,7 +55,7 @@ class LISSOM_OT_pose_handle_add(bpy.types.Operator):
 
     @answering
     def execute(self, context):
-        obj = _unbound_object(self.object, context)
+        obj = unbound_object(self.object, context)
         space.linear_part(obj.matrix_world, obj.name)
         name = self.vertex_group or groups.from_selection(obj, "Handle")
         handles = obj.lissom_pose.handles
@@ -65,7 +66,7 @@ class LISSOM_OT_pose_handle_add(bpy.types.Operator):
             raise Refused(f"'{obj.name}' has no vertex group named '{name}'")
         if not len(members[name]):
             raise Refused(f"Vertex group '{name}' holds no vertices: assign some, then add it")
-        rest = meshes.rest_positions(obj.data)
+        rest = standing.shown(obj)
         extent = np.ptp(space.into(np.array(obj.matrix_world)[:3, :3], rest), axis=0)
         empty = empties.add(
             obj,
@@ -98,7 +99,7 @@ class LISSOM_OT_pose_handle_remove(bpy.types.Operator):
 
     @answering
     def execute(self, context):
-        obj = _unbound_object(self.object, context)
+        obj = unbound_object(self.object, context)
         settings = obj.lissom_pose
         index = settings.handles.find(self.handle) if self.handle else settings.active_handle
         if not 0 <= index < len(settings.handles):
@@ -152,7 +153,7 @@ class LISSOM_OT_pose_region_from_selection(bpy.types.Operator):
 
     @answering
     def execute(self, context):
-        obj = _unbound_object(self.object, context)
+        obj = unbound_object(self.object, context)
         obj.lissom_pose.roi = groups.from_selection(obj, self.name)
 
 

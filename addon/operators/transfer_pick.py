@@ -3,11 +3,12 @@
 import bpy
 
 from .. import session
+from ..bridge import landmarks, picking
 from ..bridge import markers as bridge_markers
-from ..bridge import picking
 from ..bridge.markers import SIDES
 from ..bridge.screen import redraw_sidebars, redraw_views
 from ..core import markers
+from ..core.landmarks import upcoming
 from ..core.picking import Picking
 from ..core.refused import Refused
 from .job import allowed, answering
@@ -56,8 +57,8 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
             self.report({"WARNING"}, warning)
         context.scene.lissom_transfer.show_markers = True
         session.picking = Picking()
-        self._drag = None
-        context.workspace.status_text_set(HINT)
+        self._drag = self._asked = None
+        self._ask(context)
         context.window_manager.modal_handler_add(self)
         redraw_sidebars()
         return {"RUNNING_MODAL"}
@@ -95,6 +96,12 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
             return {"FINISHED"}
         if event.type in {"RET", "NUMPAD_ENTER", "ESC"} and event.value == "PRESS" and self._drag is None:
             return {"FINISHED"}
+        if event.type == "TAB" and session.picking.wanted and self._drag is None:
+            if event.value == "PRESS":
+                self._skip(context)
+            return {"RUNNING_MODAL"}
+        if event.type == "MOUSEMOVE":
+            self._ask(context)
         pressed = event.value in {"PRESS", "DOUBLE_CLICK"}
         looks = event.type in {"MOUSEMOVE", "LEFT_CTRL", "RIGHT_CTRL"}
         if self._drag is None and not (looks or (event.type in {"LEFTMOUSE", "RIGHTMOUSE"} and pressed)):
@@ -113,6 +120,39 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
         took = self._press(context, event, pane, stage)
         redraw_views()
         return {"RUNNING_MODAL"} if took else {"PASS_THROUGH"}
+
+    def _ask(self, context):
+        """Asks for the next landmark, and takes the half of it that a mesh bears already."""
+        settings, picked = context.scene.lissom_transfer, session.picking
+        state = settings.landmarks, tuple(row.name for row in settings.markers), len(picked.skipped)
+        if state == self._asked:
+            return
+        names, marked = landmarks.names(settings), {row.name for row in settings.markers}
+        picked.drop()
+        picked.wanted = upcoming(names, marked, picked.skipped) or ""
+        self._asked = state
+        borne = {side: landmarks.of(getattr(settings, side)).get(picked.wanted) for side in SIDES}
+        borne = {side: point for side, point in borne.items() if point is not None}
+        try:
+            for side, point in borne.items():
+                self._pick(context, side, point)
+        except Refused:  # another marker is there
+            return self._skip(context)
+        if len(borne) < 2:  # else it is a pair, after which the next was asked for
+            self._say(context)
+
+    def _say(self, context):
+        """What is asked for, in the status bar."""
+        names, picked = landmarks.names(context.scene.lissom_transfer), session.picking
+        place = names.index(picked.wanted) + 1 if picked.wanted in names else 0
+        where = {"source": "on the target", "target": "on the source"}.get(picked.side, "on either mesh")
+        asked = f"{place} of {len(names)}: {picked.wanted}, {where}    |    Tab: skip    |    "
+        context.workspace.status_text_set(asked + HINT if place else HINT)
+        redraw_views()
+
+    def _skip(self, context):
+        session.picking.skipped.add(session.picking.wanted)
+        self._ask(context)
 
     def _look(self, pane, stage, ctrl):
         """Puts the ring around the mark or the rim that a click would take."""
@@ -150,9 +190,12 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
         pair = session.picking.take(side, point)
         if pair:
             settings = context.scene.lissom_transfer
-            new = markers.Marker.between("", *map(pair.get, SIDES))
+            new = markers.Marker.between(session.picking.wanted, *map(pair.get, SIDES))
             bridge_markers.append(context.scene, [new], settings.source, settings.target)
             self._done("Pick Marker Pair")
+            self._ask(context)
+        else:
+            self._say(context)
 
     def _remove(self, context, index):
         if index < 0:

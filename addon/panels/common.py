@@ -3,18 +3,24 @@
 import blf
 import bpy
 
-from .. import session
 from ..core.pose_options import options_of
 
 SIDEBAR, MARGINS, ICON = 280, 66, 24  # pixels at a scale of 1: as Blender opens it, and what is not text
 
 
+TAB = "Lissom"
+
+
 class Sidebar:
-    """Mixin: a panel in the tab "Lissom" of the 3D View's sidebar."""
+    """Mixin: a panel in the tab of the 3D View's sidebar, shown while its ``page`` is chosen on top of it."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
-    bl_category = "Lissom"
+    bl_category = TAB
+
+    @classmethod
+    def poll(cls, context):
+        return context.window_manager.lissom_page == cls.page
 
 
 def split_column(layout):
@@ -31,13 +37,6 @@ def draw_options(column, method, base, owned):
         data = owned(owner)
         if not option.when or getattr(data, option.when[0]) == option.when[1]:
             column.prop(data, name)
-
-
-def draw_progress(layout, feature):
-    """A bar while an operator of this feature (the middle of its name) is at work."""
-    if session.work is not None and session.work_of.startswith(f"LISSOM_OT_{feature}"):
-        fraction, stage = session.work.progress
-        layout.progress(factor=fraction, text=f"{stage} (ESC cancels)")
 
 
 def draw_fold(layout, name, label):

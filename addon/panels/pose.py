@@ -5,7 +5,7 @@ import bpy
 from .. import session
 from ..bridge import checks, empties, poses
 from ..core.pose_options import METHODS
-from .common import Sidebar, draw_fold, draw_lines, draw_options, draw_progress, split_column
+from .common import Sidebar, draw_fold, draw_lines, draw_options, split_column
 
 METHOD_LINES = {name: line for name, _, line in METHODS}
 
@@ -58,17 +58,34 @@ class LISSOM_MT_handle_add(bpy.types.Menu):
             layout.label(text="No other vertex group")
 
 
+def bind_settings(obj):
+    """What the panel of an object says, as properties of ``lissom.pose_bind``."""
+    asked = poses.asked(obj.lissom_pose)
+    given = {"object": obj.name, **asked._asdict(), **asked.options, "stands": obj.lissom_pose.stands}
+    del given["options"]
+    return given
+
+
+def set_bind(button, obj):
+    """Gives the button of Bind what the panel of this object says."""
+    for name, value in bind_settings(obj).items():
+        setattr(button, name, value)
+
+
 class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
     """Move a few handles, and the mesh follows with its details intact."""
 
     bl_idname = "LISSOM_PT_pose"
+    page = "POSE"
     bl_label = "Pose"
 
     def draw(self, context):
         layout = self.layout
         obj = checks.active_mesh(context)
         if obj is None:
-            layout.label(text="Select a mesh object", icon="INFO")
+            draw_lines(
+                layout, "INFO", "Select a mesh object, and add a handle for each part that moves or stays"
+            )
             return
         settings = obj.lissom_pose
         layout.context_pointer_set("lissom_object", obj)
@@ -78,13 +95,7 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
             self._draw_method(layout, settings)
             row = layout.row()
             row.scale_y = 1.4
-            bind = row.operator("lissom.pose_bind", icon="LINKED")
-            asked = poses.asked(settings)
-            given = {"object": obj.name, **asked._asdict(), **asked.options}
-            del given["options"]
-            for name, value in given.items():
-                setattr(bind, name, value)
-            draw_progress(layout, "pose")
+            set_bind(row.operator("lissom.pose_bind", icon="LINKED"), obj)
             reason = checks.refusal(obj)
             if reason and obj.mode != "EDIT":
                 draw_lines(layout, "INFO", reason)
@@ -106,7 +117,9 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         region = row.operator("lissom.pose_region_from_selection", text="", icon="ADD")
         region.object = obj.name
         column.separator()
-        column.label(text="Handles:")
+        row = column.row(align=True)
+        row.label(text="Handles:")
+        row.operator("wm.tool_set_by_id", text="On the Mesh", icon="BRUSH_DATA").name = "lissom.pose_tool"
         row = column.row()
         row.template_list("LISSOM_UL_handles", "", settings, "handles", settings, "active_handle", rows=3)
         side = row.column(align=True)
@@ -119,17 +132,35 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
             remove.handle = settings.handles[active].name
         if 0 <= active < len(settings.handles):
             column.prop(settings.handles[active], "turns_by_itself")
+        self._draw_company(column, obj, settings)
         if len(settings.handles) == 1 and not settings.roi:
             column = split_column(column)
             column.prop(settings, "stays", text="What stays?")
             if settings.stays == "FAR":
                 column.prop(settings, "reach")
 
+    def _draw_company(self, column, obj, settings):
+        row = column.row(align=True)
+        row.enabled = not settings.bound
+        row.label(text="Further Objects:" if len(settings.company) else "Further Objects: none")
+        row.operator("lissom.pose_company", text="", icon="ADD").object = obj.name
+        for place, other in enumerate(settings.company):
+            row = column.row(align=True)
+            row.enabled = not settings.bound
+            row.prop(other, "object", text="")
+            row.prop(other, "way", text="")
+            remove = row.operator("lissom.pose_company", text="", icon="REMOVE")
+            remove.object, remove.remove = obj.name, place
+
     def _draw_method(self, layout, settings):
         column = split_column(layout)
         column.prop(settings, "method")
         draw_lines(column, "NONE", METHOD_LINES[settings.method])
         column.prop(settings, "symmetry")
+        if not settings.bound:
+            column.prop(settings, "stands")
+        elif settings.stood:
+            draw_lines(column, "ARMATURE_DATA", "Posed as it stands: Apply goes back through the modifiers")
         body = draw_fold(layout, "pose_options", "Options")
         if body:
             options = settings.options
@@ -152,7 +183,6 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         if reason:
             icon, text = "ERROR", reason
         draw_lines(layout, icon, text)
-        draw_progress(layout, "pose")
         layout.separator()
         box = layout.column(align=True)
         box.prop(settings, "key_name", icon="SHAPEKEY_DATA", text="")
@@ -160,6 +190,11 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         row.scale_y = 1.4
         apply = row.operator("lissom.pose_apply", icon="CHECKMARK")
         apply.object, apply.name = obj.name, settings.key_name
+        if settings.stood and obj.active_shape_key_index:
+            key = obj.active_shape_key
+            if key.name != settings.preview:
+                drive = box.operator("lissom.pose_drive", text=f"Drive '{key.name}' by Bone", icon="DRIVER")
+                drive.object, drive.key = obj.name, key.name
         self._draw_bake(layout, obj, settings)
         layout.operator("lissom.pose_unbind", icon="UNLINKED").object = obj.name
 

@@ -6,10 +6,11 @@ from .. import session
 from ..bridge import colours, shape_keys
 from ..bridge import markers as bridge_markers
 from ..bridge.assembly import both_sides
+from ..bridge.written import is_edited
 from ..core.colours import LEGEND, LIMIT
 from ..core.quality import ORDERS, badness
 from ..core.refused import Refused
-from .common import Sidebar, draw_fold, draw_lines, draw_progress, split_column
+from .common import Sidebar, draw_fold, draw_lines, split_column
 
 
 class LISSOM_UL_markers(bpy.types.UIList):
@@ -24,6 +25,8 @@ class LISSOM_UL_markers(bpy.types.UIList):
         number.label(text=str(item.number or index + 1))
         if item.ends in doubts(data):
             row.label(text="", icon="ERROR")
+        if item.guessed:
+            row.prop(item, "guessed", text="", icon="QUESTION", emboss=False)
         row.prop(item, "name", text="", emboss=False)
         row.prop(item, "mirror", text="", icon="MOD_MIRROR", emboss=False)
         row.operator("lissom.marker_show", text="", icon="RESTRICT_SELECT_OFF", emboss=False).index = index
@@ -45,6 +48,9 @@ class LISSOM_UL_keys(bpy.types.UIList):
         )
         toggle.action, toggle.key = "TOGGLE", item.name
         row.label(text=item.name, translate=False)
+        target = context.scene.lissom_transfer.target
+        if target is not None and is_edited(target, item.name):
+            row.label(text="", icon="SCULPTMODE_HLT")
 
     def filter_items(self, context, data, property_name):
         keys = getattr(data, property_name)
@@ -79,7 +85,7 @@ class LISSOM_UL_quality(bpy.types.UIList):
 
 
 class LISSOM_MT_markers(bpy.types.Menu):
-    """Files and the whole list"""
+    """Files, landmarks, and the whole list"""
 
     bl_idname = "LISSOM_MT_markers"
     bl_label = "Markers"
@@ -91,14 +97,41 @@ class LISSOM_MT_markers(bpy.types.Menu):
         layout.operator("lissom.marker_save", icon="EXPORT", text="Save...")
         layout.separator()
         layout.operator("lissom.marker_clear", icon="X", text="Remove All")
+        layout.separator()
+        layout.operator("lissom.landmarks_pair", icon="LINKED")
+        guess = layout.operator("lissom.landmarks_guess", icon="QUESTION")
+        for name in FIT_OPTIONS:
+            setattr(guess, name, getattr(context.scene.lissom_transfer, name))
 
 
 VERDICT_ICONS = {"good": "CHECKMARK", "look": "HIDE_OFF", "bad": "ERROR"}
-KEY_OPTIONS = ("unmatched", "scale", "exists", "drivers", "contact", "drop_empty", "check")
-POSE_OPTIONS = ("unmatched", "scale", "exists", "contact")
+KEY_OPTIONS = ("unmatched", "scale", "exists", "edited", "drivers", "contact", "drop_empty", "check")
+POSE_OPTIONS = ("unmatched", "scale", "exists", "edited", "contact")
 ANIMATION_OPTIONS = ("unmatched", "scale", "contact")
 ATTRIBUTE_OPTIONS = ("vertex_groups", "uv_maps", "colours", "exists")
 FIT_OPTIONS = ("overlap", "marker_tolerance", "match_distance", "closest", "source_mask", "target_mask")
+
+
+OPTIONS = {
+    "fit": (),
+    "keys": KEY_OPTIONS,
+    "pose": POSE_OPTIONS,
+    "animation": ANIMATION_OPTIONS,
+    "attributes": ATTRIBUTE_OPTIONS,
+}
+
+
+def set_transfer(button, settings, what):
+    """Gives the button of ``lissom.transfer_<what>`` what the panel says."""
+    for name in (*OPTIONS[what], *FIT_OPTIONS):
+        setattr(button, name, getattr(settings, name))
+    if what in ("pose", "animation"):
+        button.name = settings.pose_name
+    if what == "keys" and settings.which == "SELECTED":
+        button.keys = "\n".join(row.name for row in settings.chosen)
+    if what == "animation":
+        button.step = settings.bake_step
+        button.output, button.cache_path = settings.bake_output, settings.bake_path
 
 
 def fit_of(settings):
@@ -120,6 +153,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
     """Carry the shape keys of one mesh over to another of different topology."""
 
     bl_idname = "LISSOM_PT_transfer"
+    page = "TRANSFER"
     bl_label = "Transfer"
 
     def draw(self, context):
@@ -135,6 +169,17 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
                 split_column(row).prop(part, "object", text=" ", icon="OUTLINER_OB_MESH")
                 remove = row.operator("lissom.transfer_parts", text="", icon="REMOVE")
                 remove.side, remove.remove = side.upper(), place
+        row = layout.row(align=True)
+        row.operator("lissom.transfer_sides", icon="RESTRICT_SELECT_OFF")
+        row.operator("lissom.transfer_sides", text="", icon="UV_SYNC_SELECT").swap = True
+        if None in (settings.source, settings.target) or settings.source == settings.target:
+            draw_lines(
+                layout,
+                "INFO",
+                "Choose the mesh that has shape keys as source and the one that is to get them as target, or "
+                "select both, the target last, and press From Selection",
+            )
+            return
         split_column(layout).prop(settings, "overlap")
         if not settings.overlap:
             self._draw_markers(layout, context)
@@ -144,9 +189,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             self._draw_fit_options(split_column(body), settings)
         row = layout.row()
         row.scale_y = 1.4
-        fit = row.operator("lissom.transfer_fit", icon="MOD_SHRINKWRAP")
-        for name in FIT_OPTIONS:
-            setattr(fit, name, getattr(settings, name))
+        set_transfer(row.operator("lissom.transfer_fit", icon="MOD_SHRINKWRAP"), settings, "fit")
         self._draw_fit(layout, context)
         layout.row().prop(settings, "what", expand=True)
         draw = {
@@ -156,7 +199,6 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             "ATTRIBUTES": self._draw_attributes,
         }
         draw[settings.what](layout, settings)
-        draw_progress(layout, "transfer")
         if settings.what == "KEYS":
             self._draw_quality(layout, settings)
 
@@ -193,6 +235,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         )
         row.operator("lissom.marker_views", text="", icon="SPLIT_VERTICAL", depress=session.views is not None)
         row.prop(settings, "show_markers", text="", icon="HIDE_OFF" if settings.show_markers else "HIDE_ON")
+        split_column(layout).prop(settings, "landmarks")
         row = layout.row()
         row.template_list("LISSOM_UL_markers", "", settings, "markers", settings, "active_marker", rows=4)
         side = row.column(align=True)
@@ -201,6 +244,8 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         side.separator()
         side.operator("lissom.marker_mirror", text="", icon="MOD_MIRROR")
         side.menu("LISSOM_MT_markers", text="", icon="DOWNARROW_HLT")
+        if any(row.guessed for row in settings.markers):
+            layout.operator("lissom.landmarks_confirm", icon="CHECKMARK")
         if settings.active_marker < len(settings.markers):
             active = settings.markers[settings.active_marker]
             row = layout.row(align=True)
@@ -209,9 +254,6 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             _, doubt = doubts(settings).get(active.ends, (None, ""))
             if doubt:
                 draw_lines(layout, "ERROR", f"This pair is {doubt}")
-        if None in (settings.source, settings.target) or settings.source == settings.target:
-            draw_lines(layout, "INFO", "Choose two different objects as source and target to mark them")
-            return
         needless = not len(settings.markers) and self._draw_without(layout, context)
         if len(settings.markers) < 3 and not needless:
             draw_lines(
@@ -247,7 +289,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             row.operator("lissom.marker_suggest", icon="OUTLINER_OB_LIGHT")
         if shown:
             draw_lines(layout, "NONE", LEGEND.format(limit=100 * LIMIT))
-        markers = [row.ends for row in settings.markers]
+        markers = [row.ends for row in settings.markers if not row.guessed]
         listed = ([], []) if settings.overlap else (markers, [row.vertices for row in settings.curves])
         if (memory.pairs, memory.curves) == listed:
             draw_lines(layout, "CHECKMARK", memory.summary)
@@ -280,15 +322,13 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             for name in KEY_OPTIONS:
                 if name != "scale":
                     column.prop(settings, name)
-        transfer = self._draw_transfer(layout, settings, "keys", "SHAPEKEY_DATA", KEY_OPTIONS)
-        transfer.keys = "\n".join(row.name for row in settings.chosen) if settings.which == "SELECTED" else ""
+        self._draw_transfer(layout, settings, "keys", "SHAPEKEY_DATA")
 
     def _draw_pose(self, layout, settings):
         column = split_column(layout)
         for name in ("pose_name", *POSE_OPTIONS):
             column.prop(settings, name)
-        transfer = self._draw_transfer(layout, settings, "pose", "ARMATURE_DATA", POSE_OPTIONS)
-        transfer.name = settings.pose_name
+        self._draw_transfer(layout, settings, "pose", "ARMATURE_DATA")
 
     def _draw_animation(self, layout, settings):
         scene = settings.id_data
@@ -303,24 +343,18 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             column.prop(settings, "bake_path", text="File")
         for name in ANIMATION_OPTIONS:
             column.prop(settings, name)
-        transfer = self._draw_transfer(layout, settings, "animation", "RENDER_ANIMATION", ANIMATION_OPTIONS)
-        transfer.name, transfer.step = settings.pose_name, settings.bake_step
-        transfer.output, transfer.cache_path = settings.bake_output, settings.bake_path
+        self._draw_transfer(layout, settings, "animation", "RENDER_ANIMATION")
 
     def _draw_attributes(self, layout, settings):
         column = split_column(layout)
         for name in ATTRIBUTE_OPTIONS:
             column.prop(settings, name)
-        self._draw_transfer(layout, settings, "attributes", "GROUP_VERTEX", ATTRIBUTE_OPTIONS)
+        self._draw_transfer(layout, settings, "attributes", "GROUP_VERTEX")
 
-    def _draw_transfer(self, layout, settings, what, icon, options):
-        """The one big button, with these options and those of the fit."""
+    def _draw_transfer(self, layout, settings, what, icon):
         row = layout.row()
         row.scale_y = 1.4
-        transfer = row.operator(f"lissom.transfer_{what}", icon=icon)
-        for name in (*options, *FIT_OPTIONS):
-            setattr(transfer, name, getattr(settings, name))
-        return transfer
+        set_transfer(row.operator(f"lissom.transfer_{what}", icon=icon), settings, what)
 
     def _draw_quality(self, layout, settings):
         if not len(settings.quality):

@@ -37,6 +37,19 @@ def exists_property(default):
     )
 
 
+def edited_property():
+    """What becomes of keys that the artist has edited since a transfer wrote them."""
+    return EnumProperty(
+        name="Edited Keys",
+        description="What becomes of shape keys that were edited by hand since they were transferred",
+        items=[
+            ("KEEP", "Keep", "They stay as they are"),
+            ("CARRY", "Carry Over", "The new result, with what was changed by hand on top of it"),
+            ("OVERWRITE", "Overwrite", "The new result: what was changed by hand is lost"),
+        ],
+    )
+
+
 def match_distance_property():
     """The option of the same name of lissom.start_fit."""
     label = {"label": "Match Distance", "low": 1e-6, "high": 1.0, "soft_high": 0.1}
@@ -179,6 +192,10 @@ class LissomMarker(bpy.types.PropertyGroup):
     number: IntProperty(description="The one that the pair is known by; 0: not numbered yet")
     source_place: FloatVectorProperty(size=3)
     target_place: FloatVectorProperty(size=3)
+    guessed: BoolProperty(
+        name="Guessed",
+        description="It lies where the fit has it, and tells the fit nothing until it is confirmed or moved",
+    )
     source_placed: BoolProperty()
     target_placed: BoolProperty()
     mirror: BoolProperty(
@@ -212,6 +229,21 @@ class LissomMarker(bpy.types.PropertyGroup):
         setattr(self, f"{side}_placed", place is not None)
         if place is not None:
             setattr(self, f"{side}_place", place)
+
+    def swap(self):
+        """Exchanges its points on source and target."""
+        (source, target), places = self.ends, (self.place("source"), self.place("target"))
+        self.put("source", target, places[1])
+        self.put("target", source, places[0])
+
+
+class LissomLandmark(bpy.types.PropertyGroup):
+    """A named point of a mesh object, and its place at rest in the object's coordinates."""
+
+    name: StringProperty(name="Name")
+    corners: IntVectorProperty(size=3)
+    weights: FloatVectorProperty(size=3)
+    place: FloatVectorProperty(size=3)
 
 
 class LissomCurve(bpy.types.PropertyGroup):
@@ -276,6 +308,14 @@ class LissomKeyChoice(bpy.types.PropertyGroup):
     name: StringProperty(name="Shape Key")
 
 
+class LissomWritten(bpy.types.PropertyGroup):
+    """What a transfer wrote to one shape key; see bridge.written."""
+
+    name: StringProperty(description="Name of the shape key then")
+    topology: StringProperty(description="The hash of the faces then")
+    offsets: StringProperty(subtype="BYTE_STRING")
+
+
 class LissomBaked(bpy.types.PropertyGroup):
     """What a transfer of animation made on an object, so that the next of that name takes its place."""
 
@@ -313,6 +353,19 @@ class LissomTransfer(bpy.types.PropertyGroup):
     curves: CollectionProperty(type=LissomCurve)
     source_edges: StringProperty(description="The hash of the source's edges when its markers were placed")
     target_edges: StringProperty(description="The hash of the target's edges when its markers were placed")
+    landmarks: EnumProperty(
+        name="Landmarks",
+        description="Which places Pick asks for, one after the other",
+        items=[
+            ("FREE", "Free", "Any places, in any order"),
+            ("FACE_7", "Face, 7", "Corners of the eyes and the mouth, tip of the nose"),
+            ("FACE_24", "Face, 24", "With brows, lids, lips, nostrils, jaw and ears"),
+            ("FACE_68", "Face, 68", "The 68 of Multi-PIE, in its order"),
+            ("BODY", "Body, 26", "Joints, fingertips, toes, head and trunk"),
+            ("OWN", "As on Source", "The named ones that the source bears already"),
+        ],
+        update=lambda settings, context: redraw_views(),
+    )
     show_markers: BoolProperty(
         name="Show Markers",
         description="Show the marker pairs as numbered dots on both meshes",
@@ -353,6 +406,7 @@ class LissomTransfer(bpy.types.PropertyGroup):
     unmatched: unmatched_property()
     scale: scale_property()
     exists: exists_property("UPDATE")
+    edited: edited_property()
     drivers: drivers_property()
     contact: contact_property()
     drop_empty: drop_empty_property()
@@ -375,23 +429,52 @@ class LissomTransfer(bpy.types.PropertyGroup):
         ],
     )
 
+    def swap(self):
+        """Source and target change places, with their further objects, marks, curves and masks."""
+        for name in ("", "_mask", "_edges"):
+            _exchange(self, name)
+        for row in self.markers:
+            row.swap()
+        for row in self.curves:
+            _exchange(row, "")
+            _exchange(row, "_places")
+        sides = [[row.object for row in parts] for parts in (self.target_parts, self.source_parts)]
+        for parts, objects in zip((self.source_parts, self.target_parts), sides, strict=True):
+            parts.clear()
+            for obj in objects:
+                parts.add().object = obj
+
+
+def _exchange(row, what):
+    """Swaps ``source`` and ``target`` of a row, or what is named after them."""
+    names = f"source{what}", f"target{what}"
+    values = [getattr(row, name) for name in names]
+    for name, value in zip(names, reversed(values), strict=True):
+        setattr(row, name, value)
+
 
 classes = (
     LissomMarker,
+    LissomLandmark,
     LissomCurve,
     LissomKeyChoice,
     LissomPart,
     LissomKeyQuality,
     LissomBaked,
+    LissomWritten,
     LissomTransfer,
 )
 
 
 def register():
     bpy.types.Scene.lissom_transfer = PointerProperty(type=LissomTransfer)
+    bpy.types.Object.lissom_landmarks = CollectionProperty(type=LissomLandmark)
     bpy.types.Object.lissom_baked = CollectionProperty(type=LissomBaked)
+    bpy.types.Key.lissom_written = CollectionProperty(type=LissomWritten)
 
 
 def unregister():
+    del bpy.types.Key.lissom_written
     del bpy.types.Object.lissom_baked
+    del bpy.types.Object.lissom_landmarks
     del bpy.types.Scene.lissom_transfer

@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 import scene
-from bl_ext.user_default.lissom import ghost
+from bl_ext.user_default.lissom.drawing import ghost
 from numpy.testing import assert_allclose
 from test_inbetween import keyed_tube, native_path
 
@@ -19,9 +19,9 @@ def test_its_steps_lie_on_the_path():
     made = ghost_of(obj, end="full")
     shapes = native_path(obj, "Basis", "full").at(np.linspace(0, 1, ghost.STEPS + 2))
     assert len(made.steps) == ghost.STEPS
-    for (step, colours), shape in zip(made.steps, shapes[1:-1], strict=True):
+    for (time, step, light), shape in zip(made.steps, shapes[1:-1], strict=True):
         assert_allclose(step, shape, atol=1e-5)
-        assert ((colours >= 0) & (colours <= 1)).all()
+        assert 0 < time < 1 and ((light >= 0) & (light <= 1)).all()
 
 
 def test_it_is_computed_once_per_choice_and_only_while_it_is_on():

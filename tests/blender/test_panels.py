@@ -115,7 +115,7 @@ def text(drawn):
 def test_an_empty_scene_says_what_to_do(panels):
     assert "Select a mesh object" in text(draw(panels["pose"]))
     assert "Select a mesh object" in text(draw(panels["inbetween"]))
-    assert "lissom.transfer_fit" in draw(panels["transfer"])["operators"]
+    assert set(draw(panels["transfer"])["operators"]) == {"lissom.transfer_parts", "lissom.transfer_sides"}
 
 
 def test_pose_before_and_after_bind(panels):
@@ -135,6 +135,7 @@ def test_pose_before_and_after_bind(panels):
             "stays": "FAR",
             "reach": 0.0,
             "symmetry": "OFF",
+            "stands": True,
             "cells": "spokes_and_rims",
             "rotation_smoothing": 0.001,
             "smoothness": 0.0,
@@ -164,6 +165,7 @@ def test_the_options_are_those_of_the_chosen_method_and_no_others(panels, method
     assert not any(name in by_name() for name in draw(panels["pose"], closed=True)["settings"])
     (given,) = drawn["operators"]["lissom.pose_bind"]
     own = {"use_weights": False, "weld": False, "stays": "FAR", "reach": 0.0, "symmetry": "OFF"}
+    own["stands"] = True
     assert given == {"object": "Tube", "method": method} | own | {
         name: option.default for (_, name), option in wanted.items()
     } | ({"base": base} if method == "multiresolution" else {})
@@ -193,7 +195,7 @@ def test_the_redo_panel_shows_the_options_of_the_method():
     )
     bpy.types.LISSOM_OT_pose_bind.draw(operator, bpy.context)
     shown = ["method", "k_s", "k_b", "border", "constraints", "preserve_volume", "unheld"]
-    assert drawn["settings"] == [*shown, "use_weights", "weld", "stays", "reach", "symmetry"]
+    assert drawn["settings"] == [*shown, "use_weights", "weld", "stays", "reach", "symmetry", "stands"]
 
 
 def test_one_handle_alone_is_asked_what_stays(panels):
@@ -249,7 +251,7 @@ def test_transfer_passes_its_settings_on(panels):
     scene.add_key(source, "K", scene.points(source.data.vertices))
     settings = bpy.context.scene.lissom_transfer
     drawn = text(draw(panels["transfer"]))
-    assert "Choose two different objects" in drawn and "Press Pick" not in drawn, "Pick is grey"
+    assert "Choose the mesh that has shape keys" in drawn and "Press Pick" not in drawn
     settings.source, settings.target = source, target
     assert "no markers are needed" in text(draw(panels["transfer"]))
     bpy.ops.lissom.transfer_fit()
@@ -288,7 +290,7 @@ def test_one_button_transfers_what_is_chosen(panels):
     attributes = ("attributes", shared | dressed)
     shared |= {"unmatched": "follow", "scale": "target", "contact": True, "name": "Open"}
     wanted = {
-        "POSE": ("pose", shared | {"exists": "RENAME"}),
+        "POSE": ("pose", shared | {"exists": "RENAME", "edited": "KEEP"}),
         "ANIMATION": ("animation", shared | {"step": 3, "output": "KEYS", "cache_path": "/a.pc2"}),
         "ATTRIBUTES": attributes,
     }
@@ -297,8 +299,8 @@ def test_one_button_transfers_what_is_chosen(panels):
         drawn = draw(panels["transfer"])
         assert drawn["operators"][f"lissom.transfer_{operator}"] == [properties]
         assert (
-            sum(name.startswith("lissom.transfer_") for name in drawn["operators"]) == 3
-        )  # fit and parts too
+            sum(name.startswith("lissom.transfer_") for name in drawn["operators"]) == 4
+        )  # fit, parts and sides too
         assert "drivers" not in drawn["settings"]
     settings.what = "ANIMATION"
     drawn = draw(panels["transfer"])
@@ -417,15 +419,31 @@ def test_inbetween_passes_its_settings_on_and_shows_sliders(panels):
         assert given == [{"object": "Tube", "slider": "K arc"}]
 
 
-def test_work_is_shown_in_its_own_panel_only(panels, monkeypatch):
+def test_several_arcs_are_ticked_and_baked_by_one_button(panels):
+    obj = scene.tube()
+    for name in ("half", "full"):
+        scene.add_key(obj, name, scene.points(obj.data.vertices))
+    obj.lissom_inbetween.several = True
+    bpy.ops.lissom.inbetween_choose(object="Tube", action="TOGGLE", key="full")
+    drawn = draw(panels["inbetween"])
+    assert "LISSOM_UL_arc_keys" in drawn["classes"] and "lissom.inbetween_bake" not in drawn["operators"]
+    assert drawn["operators"]["lissom.inbetween_bake_all"][0]["keys"] == "full"
+    bpy.ops.lissom.inbetween_bake_all(object="Tube", keys="full", count=1)
+    session.stale[obj.session_uid] = ["full arc"]
+    drawn = draw(panels["inbetween"])
+    assert "out of date" in text(drawn) and "lissom.inbetween_update_all" in drawn["operators"]
+
+
+def test_work_is_shown_on_top_in_place_of_the_pages(monkeypatch):
     scene.bound_tube()
 
     def steps():
         yield scene.Pause(0.5, "halfway")
 
+    main = bpy.types.LISSOM_PT_main
+    assert draw(main)["settings"] == ["lissom_page"]
     monkeypatch.setattr(session, "work", Work(steps()))
-    monkeypatch.setattr(session, "work_of", "LISSOM_OT_transfer_keys")
-    assert "halfway (ESC cancels)" in text(draw(panels["transfer"]))
-    assert "halfway" not in text(draw(panels["pose"]))
+    drawn = draw(main)
+    assert "halfway (ESC cancels)" in text(drawn) and not drawn["settings"]
     with scene.refused("Lissom is at work"):
         bpy.ops.lissom.pose_unbind(object="Tube")

@@ -20,8 +20,8 @@ def test_every_operator_can_be_undone_and_repeated(addon):
     operators = [cls for cls in own_classes(addon) if issubclass(cls, bpy.types.Operator)]
     assert len(operators) >= 15
     for cls in operators:
-        # Every pair is a step of its own; views are no part of the file.
-        apart = cls.bl_idname in ("lissom.marker_pick", "lissom.marker_views")
+        # Every pair is a step of its own; views and windows are no part of the file.
+        apart = cls.bl_idname.split(".")[1] in ("marker_pick", "marker_views", "page_show", "pose_touch")
         assert cls.bl_options == ({"REGISTER"} if apart else {"REGISTER", "UNDO"}), cls
 
 
@@ -37,9 +37,18 @@ def test_every_property_says_what_it_is(addon):
                 assert prop.name and prop.description, f"{cls.__name__}.{prop.identifier}"
 
 
-def test_there_is_one_tab_with_three_panels_in_order(addon):
+def test_one_page_is_shown_at_a_time(addon):
+    pages = [cls for cls in own_classes(addon) if hasattr(cls, "page") and issubclass(cls, bpy.types.Panel)]
+    for page in ("POSE", "TRANSFER", "INBETWEEN"):
+        assert bpy.ops.lissom.page_show.poll()
+        bpy.context.window_manager.lissom_page = page
+        assert [panel.page for panel in pages if panel.poll(bpy.context)] == [page]
+    bpy.context.window_manager.property_unset("lissom_page")
+
+
+def test_there_is_one_tab_with_its_panels_in_order(addon):
     panels = [cls for cls in own_classes(addon) if issubclass(cls, bpy.types.Panel)]
-    assert [panel.bl_label for panel in panels] == ["Pose", "Transfer", "In-between"]
+    assert [panel.bl_label for panel in panels] == ["Lissom", "Pose", "Transfer", "In-between"]
     assert {(panel.bl_space_type, panel.bl_region_type, panel.bl_category) for panel in panels} == {
         ("VIEW_3D", "UI", "Lissom")
     }

@@ -1,4 +1,4 @@
-"""What each bad input gets; the numbers are those of the table in ARCHITECTURE.md."""
+"""What each bad input gets; the numbers are those of the table in docs/bad_input.md."""
 
 import lissom
 import numpy as np

@@ -1,4 +1,4 @@
-//! The layers of ARCHITECTURE, held against the sources: which module imports which is read from the paths that
+//! The layers of docs/layers.md, held against the sources: which module imports which is read from the paths that
 //! begin with `crate`, `super`, `self` or a child's name. What only tests use does not count.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -337,8 +337,8 @@ fn the_architecture_shows_which_module_imports_which() {
         }
     }
     let made = lines.join("\n");
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../ARCHITECTURE.md");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/layers.md");
     let text = fs::read_to_string(file).unwrap().replace('\r', "");
     let shown = text.split_once(BEGIN).and_then(|(_, rest)| Some(rest.split_once(END)?.0.trim()));
-    assert!(shown == Some(made.as_str()), "ARCHITECTURE.md should have\n\n{BEGIN}\n\n{made}\n\n{END}\n");
+    assert!(shown == Some(made.as_str()), "docs/layers.md should have\n\n{BEGIN}\n\n{made}\n\n{END}\n");
 }

@@ -11,15 +11,15 @@ import numpy as np
 from bpy.app.handlers import persistent
 from gpu_extras.batch import batch_for_shader
 
-from .bridge import arcs, checks
-from .bridge.screen import redraw_sidebars, redraw_views
-from .core.refused import Refused
+from .. import preferences
+from ..bridge import arcs, checks
+from ..bridge.screen import redraw_sidebars, redraw_views
+from ..core.refused import Refused
 
 STEPS = 5
 LARGE, STEPS_LARGE = 200_000, 1  # from so many vertices on, the middle alone
 HUGE = 1_000_000  # from so many on, none
 POLL_SECONDS = 0.05
-FROM, TO, ALPHA = np.array([0.10, 0.45, 0.85]), np.array([0.95, 0.50, 0.10]), 0.30
 LIGHT = np.array([0.35, -0.70, 0.62])
 
 _ghosts = {}  # session_uid of a mesh object -> Ghost
@@ -30,7 +30,7 @@ class Ghost:
     """The ghost of one object: at work, then steps to draw, or a message why there are none."""
 
     def __init__(self, obj):
-        self.message, self.steps, self._batches = "", [], None
+        self.message, self.steps, self._batches, self._look = "", [], None, None
         self._work = None
         try:
             self._start(obj)
@@ -77,18 +77,21 @@ class Ghost:
         mesh = self._ends.mesh
         self.triangles = mesh.triangles
         for time, shape in zip(sampled.knots[1:-1], self._ends.back(sampled.shapes[1:-1]), strict=True):
-            self.steps.append((shape.astype(np.float32), _colours(shape, mesh.triangles, time)))
+            self.steps.append((time, shape.astype(np.float32), _light(shape, mesh.triangles)))
 
     def draw(self):
         """Draws the steps, in the object's own coordinates."""
         shader = gpu.shader.from_builtin("SMOOTH_COLOR")
-        if self._batches is None:  # only here is there a graphics card
+        look = preferences.look()
+        if self._look != look:  # only here is there a graphics card
+            indices = self.triangles.astype(np.int32)
             self._batches = [
                 batch_for_shader(
-                    shader, "TRIS", {"pos": shape, "color": colours}, indices=self.triangles.astype(np.int32)
+                    shader, "TRIS", {"pos": shape, "color": _colours(look, time, light)}, indices=indices
                 )
-                for shape, colours in self.steps
+                for time, shape, light in self.steps
             ]
+            self._look = look
         for batch in self._batches:  # of every step only its front, so that it shows as one layer
             gpu.state.color_mask_set(False, False, False, False)
             gpu.state.depth_mask_set(True)
@@ -123,8 +126,8 @@ def of(obj):
     return _ghosts.get(obj.session_uid)
 
 
-def _colours(shape, triangles, time):
-    """(n, 4) float32: the colour of a time on the arc, lit from one side."""
+def _light(shape, triangles):
+    """(n,): how much light each vertex gets from one side."""
     a, b, c = (shape[column] for column in triangles.T)
     faces = np.cross(b - a, c - a)
     normals = np.stack(
@@ -132,10 +135,15 @@ def _colours(shape, triangles, time):
         axis=1,
     )
     lengths = np.linalg.norm(normals, axis=1)
-    lit = 0.5 + 0.5 * (normals @ LIGHT) / np.where(lengths > 0, lengths, 1.0)
-    colours = np.empty((len(shape), 4), dtype=np.float32)
-    colours[:, :3] = ((1 - time) * FROM + time * TO) * (0.35 + 0.65 * lit[:, None])
-    colours[:, 3] = ALPHA
+    return 0.675 + 0.325 * (normals @ LIGHT) / np.where(lengths > 0, lengths, 1.0)
+
+
+def _colours(look, time, light):
+    """(n, 4) float32: the colour of a time on the arc, as it is lit."""
+    colours = np.empty((len(light), 4), dtype=np.float32)
+    blend = (1 - time) * np.array(look.ghost_start) + time * np.array(look.ghost_end)
+    colours[:, :3] = blend * light[:, None]
+    colours[:, 3] = look.ghost_opacity
     return colours
 
 

@@ -1,21 +1,21 @@
-"""Markers as numbered dots on both meshes: the two of a pair have one colour; what is hidden is hollow."""
+"""Markers as numbered dots on both meshes, the two of a pair in one colour; what is hidden is hollow, what is
+guessed is grey.
+"""
 
 from typing import NamedTuple
 
 import blf
 import bpy
 import gpu
-import numpy as np
-from gpu_extras.batch import batch_for_shader
 
-from . import session
-from .bridge import picking
-from .core.marks import colour
+from .. import preferences, session
+from ..bridge import picking
+from ..core.marker_places import colour
+from .shapes import ring
 
-RADIUS, RIM, TEXT = 5.5, 1.5, 12  # pixels
+RIM = 1.5  # pixels
 RING = 3.0  # pixels, between a mark and the ring around what a click would take
-_TURN = np.linspace(0, 2 * np.pi, 25)
-_CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN), 0 * _TURN], axis=1)
+GUESSED = (0.6, 0.6, 0.6)
 
 _handle = None
 
@@ -44,41 +44,35 @@ def shown(context):
 def _draw():
     context = bpy.context
     dots, scale = shown(context), picking.ui_scale()
-    active = context.scene.lissom_transfer.active_marker
+    if not dots and not session.picking:
+        return
+    radius, text = preferences.look()[:2]
+    settings = context.scene.lissom_transfer
+    active, guessed = settings.active_marker, [row.guessed for row in settings.markers] + [False]
     gpu.state.blend_set("ALPHA")
     for dot in dots:
-        rgba = (*colour(dot.number), 1.0 if dot.index >= 0 else 0.5)
+        rgba = (*(GUESSED if guessed[dot.index] else colour(dot.number)), 1.0 if dot.index >= 0 else 0.5)
         rim = (1.0, 1.0, 1.0, 1.0) if dot.index == active else (0.05, 0.05, 0.05, 1.0)
         if dot.hidden:
-            _ring(dot.spot, (RADIUS - 2 * RIM) * scale, (RADIUS - RIM) * scale, (*rim[:3], 0.6))
-            _ring(dot.spot, (RADIUS - RIM) * scale, RADIUS * scale, rgba)
+            ring(dot.spot, (radius - 2 * RIM) * scale, (radius - RIM) * scale, (*rim[:3], 0.6))
+            ring(dot.spot, (radius - RIM) * scale, radius * scale, rgba)
         else:
-            _ring(dot.spot, 0.0, (RADIUS + RIM) * scale, rim)
-            _ring(dot.spot, 0.0, RADIUS * scale, rgba)
-    ring = session.picking and session.picking.ring
-    if ring and ring[0] == context.region.as_pointer():
-        inner = (RADIUS + RIM + RING) * scale
-        _ring(ring[1], inner - RIM * scale, inner + 2 * RIM * scale, (0.05, 0.05, 0.05, 0.8))
-        _ring(ring[1], inner, inner + RIM * scale, (1.0, 1.0, 1.0, 1.0))
-    blf.size(0, TEXT * scale)
+            ring(dot.spot, 0.0, (radius + RIM) * scale, rim)
+            ring(dot.spot, 0.0, radius * scale, rgba)
+    grabbed = session.picking and session.picking.ring
+    if grabbed and grabbed[0] == context.region.as_pointer():
+        inner = (radius + RIM + RING) * scale
+        ring(grabbed[1], inner - RIM * scale, inner + 2 * RIM * scale, (0.05, 0.05, 0.05, 0.8))
+        ring(grabbed[1], inner, inner + RIM * scale, (1.0, 1.0, 1.0, 1.0))
+    blf.size(0, text * scale)
     blf.enable(0, blf.SHADOW)
     blf.shadow(0, 3, 0.0, 0.0, 0.0, 1.0)
     for dot in dots:
         blf.color(0, 1.0, 1.0, 1.0, 0.6 if dot.hidden else 1.0)
-        blf.position(0, dot.spot[0] + 1.3 * RADIUS * scale, dot.spot[1] + 0.7 * RADIUS * scale, 0)
+        blf.position(0, dot.spot[0] + 1.3 * radius * scale, dot.spot[1] + 0.7 * radius * scale, 0)
         blf.draw(0, str(dot.number))
     blf.disable(0, blf.SHADOW)
     gpu.state.blend_set("NONE")
-
-
-def _ring(spot, inner, outer, rgba):
-    """What lies between two circles; a disc where the inner one has no radius."""
-    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
-    circles = [np.array([*spot, 0.0]) + radius * _CIRCLE for radius in (inner, outer)]
-    strip = np.stack(circles, axis=1).reshape(-1, 3).astype(np.float32)
-    batch = batch_for_shader(shader, "TRI_STRIP", {"pos": strip})
-    shader.uniform_float("color", rgba)
-    batch.draw(shader)
 
 
 def register():

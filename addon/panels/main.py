@@ -1,0 +1,29 @@
+"""The three jobs, as buttons on top of the tab: one is shown at a time; and the progress of work."""
+
+import bpy
+
+from .. import session
+from .common import TAB
+
+
+class LISSOM_PT_main(bpy.types.Panel):
+    """Choose what to do; the panel below is for that."""
+
+    bl_idname = "LISSOM_PT_main"
+    bl_label = "Lissom"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = TAB
+    bl_options = {"HIDE_HEADER"}
+
+    def draw(self, context):
+        row = self.layout.row(align=True)
+        row.scale_y = 1.3
+        if session.work is not None:  # in place of the buttons, so that nothing moves
+            fraction, stage = session.work.progress
+            row.progress(factor=fraction, text=f"{stage} (ESC cancels)")
+            return
+        row.prop(context.window_manager, "lissom_page", expand=True)
+
+
+classes = (LISSOM_PT_main,)
