@@ -10,7 +10,7 @@ from ..bridge.written import is_edited
 from ..core.colours import LEGEND, LIMIT
 from ..core.quality import ORDERS, badness
 from ..core.refused import Refused
-from .common import Sidebar, draw_fold, draw_lines, split_column
+from .common import BUTTON, Sidebar, draw_fold, draw_lines, split_column
 
 
 class LISSOM_UL_markers(bpy.types.UIList):
@@ -280,6 +280,15 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         memory = fit_of(settings)
         if memory is None:
             return
+        markers = [row.ends for row in settings.markers if not row.guessed]
+        listed = ([], []) if settings.overlap else (markers, [row.vertices for row in settings.curves])
+        current = (memory.pairs, memory.curves) == listed
+        grave = any(fault.grave for fault in memory.faults)
+        for place, fault in enumerate(memory.faults):
+            self._draw_fault(layout, place, fault, current)
+        if not current:
+            draw_lines(layout, "INFO", "The markers were changed since the last fit: Transfer fits again")
+        draw_lines(layout, "CHECKMARK" if current and not grave else "NONE", memory.summary)
         row = layout.row(align=True)
         shown = any(map(colours.shown, filter(None, (settings.source, settings.target))))
         row.operator(
@@ -289,14 +298,15 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             row.operator("lissom.marker_suggest", icon="OUTLINER_OB_LIGHT")
         if shown:
             draw_lines(layout, "NONE", LEGEND.format(limit=100 * LIMIT))
-        markers = [row.ends for row in settings.markers if not row.guessed]
-        listed = ([], []) if settings.overlap else (markers, [row.vertices for row in settings.curves])
-        if (memory.pairs, memory.curves) == listed:
-            draw_lines(layout, "CHECKMARK", memory.summary)
-            if memory.weak:
-                draw_lines(layout, "INFO", memory.weak)
-        else:
-            draw_lines(layout, "INFO", "The markers were changed since the last fit: Transfer fits again")
+
+    def _draw_fault(self, layout, place, fault, current):
+        """One line of what is wrong, red until it is mended, and a button that shows where."""
+        row = layout.row()
+        told = row.column()
+        told.alert = fault.grave
+        draw_lines(told, "ERROR" if fault.grave else "INFO", fault.line, margin=BUTTON)
+        if current:
+            row.operator("lissom.fit_place", text="", icon="ZOOM_SELECTED").place = place
 
     def _draw_keys(self, layout, settings):
         source = settings.source
