@@ -3,6 +3,7 @@
 # make test       every test: core, binding, add-on logic, and inside real Blenders
 # make lint       rustfmt, clippy, ruff, mypy and its stubtest
 # make bench      measured against libigl and Blender's Laplacian Deform; needs LISSOM_DATA
+# make docs       the manual as a site: .venv/docs/site/index.html
 # make extension  dist/lissom-<version>-<platform>.zip, for Blender's "Install from Disk"
 #
 # Needs Rust, make and Python 3.11; everything else goes into .venv/ and build/ of this folder.
@@ -20,7 +21,7 @@ TOOLS := .venv/tools/ready
 WHEEL := dist/wheel.stamp
 
 .SECONDARY:
-.PHONY: all demo gallery test test-rust test-native test-blender lint extension bench clean
+.PHONY: all demo gallery test test-rust test-native test-blender lint extension bench docs clean
 all: extension
 
 # --- tools, wheel, Blenders -------------------------------------------------------------------------
@@ -42,7 +43,7 @@ $(WHEEL): $(TOOLS) $(RUST) $(PYTHON_SOURCE) LICENSE
 # One environment per Blender: .venv/bpy-4.2 and so on.
 .venv/bpy-%/ready: $(WHEEL)
 	test -x .venv/bpy-$*/bin/python || $(if $(filter 5.2,$*),$(PYTHON313),$(PYTHON)) -m venv .venv/bpy-$*
-	.venv/bpy-$*/bin/python $(PIP_INSTALL) 'bpy==$*.*' 'pytest>=8,<10'
+	.venv/bpy-$*/bin/python $(PIP_INSTALL) 'bpy==$*.*' 'pytest>=8,<10' 'pillow>=11'
 	.venv/bpy-$*/bin/python $(PIP_INSTALL) --force-reinstall --no-deps dist/*.whl
 	.venv/bpy-$*/bin/python -c 'import bpy' || { echo; \
 		echo "Blender as a module needs these system libraries (Debian's names):"; \
@@ -79,6 +80,16 @@ lint: $(WHEEL)
 	.venv/tools/bin/ruff format --check .
 	.venv/tools/bin/mypy --strict --python-executable .venv/tools/bin/python python/lissom
 	.venv/tools/bin/python -m mypy.stubtest lissom
+
+# Strict: dead links and pages that nothing leads to are errors.
+docs: .venv/docs/ready
+	PATH="$(CURDIR)/.venv/docs/bin:$$PATH" NO_MKDOCS_2_WARNING=1 mkdocs build --strict --quiet
+	@echo .venv/docs/site/index.html
+
+.venv/docs/ready: Makefile
+	$(PYTHON) -m venv .venv/docs
+	.venv/docs/bin/python $(PIP_INSTALL) 'mkdocs-material>=9.6,<10' 'mkdocstrings[python]>=1,<2' 'ruff>=0.8,<1'
+	touch $@
 
 extension: $(WHEEL)
 	.venv/tools/bin/python tools/build_extension.py

@@ -6,6 +6,8 @@ loading a file leave no dangling reference. All of it can be lost and made again
 
 poses = {}  # session_uid of a mesh object -> core.pose.BoundPose
 worlds = {}  # session_uid of a bound mesh object -> its matrix (4, 4) when it was last looked at
+skins = {}  # session_uid of a bound mesh object -> core.skin.Skin that it was bound with, where it has one
+stances = {}  # session_uid of a bound mesh object -> bridge.standing.stance at Bind
 rebinding = {}  # name of a mesh object -> core.work.Work that binds it anew, None before it starts
 status = {}  # name of a mesh object -> (icon, text) about its live pose
 fit = None  # jobs.fit.Memory: the last fit
@@ -24,6 +26,8 @@ def clear():
     global fit, picking, views
     poses.clear()
     worlds.clear()
+    skins.clear()
+    stances.clear()
     rebinding.clear()
     status.clear()
     edited.clear()

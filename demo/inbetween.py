@@ -16,6 +16,7 @@ from studio import Tile
 
 COUNT = 5  # in-betweens, for either arc
 SHOWN = (0.0, 0.25, 0.5, 0.75, 1.0)
+PLAYED = np.linspace(0.0, 1.0, 11)
 MEASURED = np.linspace(0.0, 1.0, 21)
 MILLIMETRES = 100.0  # in a decimetre
 
@@ -25,7 +26,7 @@ LEFT, RIGHT, HEAD_SLIDER = "head to the left", "head to the right", "turn"
 CLOSED, STRAIGHT, BLINK_SLIDER = "eyes closed", "eyes closed, straight", "blink"
 
 
-def run(face, given, made, studio, picture):
+def run(face, given, made, studio, picture, film):
     """Bakes both arcs by operators and draws them; returns figures for the report."""
     into = scene.collection("5 In-between")
     head, eyes = turning_head(face, made, into, (15.0, 0, 0))
@@ -47,6 +48,7 @@ def run(face, given, made, studio, picture):
         for way in (STRAIGHT, BLINK_SLIDER)
     }
     studio.sheet(_tiles(head, eyes, blinking, given), picture, aspect=1.0)
+    studio.film(_frames(head, eyes, given), film, aspect=1.0, back=True)
     scene.posed(head, {LEFT: 1.0, HEAD_SLIDER: 0.5})
     scene.posed(blinking, {BLINK_SLIDER: 0.5})
     return {
@@ -147,6 +149,20 @@ def _tiles(head, eyes, blinking, given):
         arc.append(Tile(meshes, f"Lissom, {percent}", **far))
         blink.append(Tile([scene.posed(blinking, {BLINK_SLIDER: t})], f"blink, {percent}", **near))
     return [straight, arc, blink]
+
+
+def _frames(head, eyes, given):
+    """Straight and along the arc."""
+    frame = {"centre": (0.0, -0.30), "height": 3.9}
+    for t in PLAYED:
+        ends = [_with_eyes(head, eyes, {key: 1.0, HEAD_SLIDER: 0.0}, given) for key in (LEFT, RIGHT)]
+        straight = [_blend(*pair, t) for pair in zip(*ends, strict=True)]
+        yield [
+            Tile(straight, "straight", **frame),
+            Tile(_with_eyes(head, eyes, {LEFT: 1.0, HEAD_SLIDER: t}), "Lissom", **frame),
+        ]
+        for mesh in (mesh for end in ends for mesh in end):
+            bpy.data.meshes.remove(mesh)
 
 
 def _with_eyes(head, eyes, values, skin=None):

@@ -29,7 +29,10 @@ class Pose:
     pivot: tuple
 
 
-def run(face, made, studio, picture):
+FILM = 8  # steps of the turn
+
+
+def run(face, made, studio, picture, film):
     """Poses the bust by operators, each pose a shape key, and draws it; returns figures for the report."""
     bust = scene.face_object("Bust", face, face.neutral, made, scene.collection("1 Pose"), (0, 0, 0))
     groups = regions(face)
@@ -38,9 +41,13 @@ def run(face, made, studio, picture):
         Pose("head turned by 60°", (0, 0, -60), (0, 0, 0), SPINE),
         Pose("head on the shoulder", (8, 38, 10), (0.08, -0.05, -0.06), SPINE),
     ]
+    turns = [
+        Pose(f"head turned, {step}/{FILM}", (0, 0, -60 * step / FILM), (0, 0, 0), SPINE)
+        for step in range(1, FILM)
+    ]
     of_ear = [Pose("ear pulled up", (-20, 0, 12), (0.10, 0.24, 0.34), tip)]
     figures = [
-        solve(bust, groups, ("chest", "head"), "", of_head),
+        solve(bust, groups, ("chest", "head"), "", of_head + turns)[: len(of_head)],
         solve(bust, groups, ("tip of the ear",), "ear", of_ear),
     ]
     whole, near = (
@@ -65,6 +72,10 @@ def run(face, made, studio, picture):
         ],
         picture,
     )
+    keys = [None, *(pose.name for pose in turns), head, head, head]
+    studio.film((_frame(bust, groups, key, whole) for key in keys), film, back=True)
+    for pose in turns:
+        bust.shape_key_remove(bust.data.shape_keys.key_blocks[pose.name])
     scene.posed(bust, {head: 1.0})
     return {"vertices": len(face.neutral), "poses": [row for rows in figures for row in rows]}
 
@@ -118,9 +129,18 @@ def solve(bust, groups, handles, region, poses):
     return rows
 
 
-def _marked(bust, groups, held, moved):
-    """The rest shape with the handles in colours of their own."""
-    mesh = scene.posed(bust, {})
+def _frame(bust, groups, key, view):
+    """The handles, and what is seen of them."""
+    shown = scene.posed(bust, {key: 1.0} if key else {})
+    return [
+        Tile([_marked(bust, groups, "chest", "head", key)], "the handle turns", note="blue: held", **view),
+        Tile([shown], "the neck follows", **view),
+    ]
+
+
+def _marked(bust, groups, held, moved, key=None):
+    """The rest shape, or a key's, with the handles in colours of their own."""
+    mesh = scene.posed(bust, {key: 1.0} if key else {})
     colours = {held: ("Held", (0.03, 0.06, 0.16)), moved: ("Handle", (0.55, 0.13, 0.015))}
     slot_of = np.zeros(len(mesh.vertices), dtype=np.int32)
     for name in filter(None, (held, moved)):

@@ -26,7 +26,11 @@ REACH = 0.03  # decimetres: how far from the full surface a thinned vertex is lo
 MARKED = range(60)
 
 
-def run(face, obj, made, studio, folder, picture):
+FILM = 5  # steps into an expression
+PLAYED = ("joy", "surprise", "kiss")
+
+
+def run(face, obj, made, studio, folder, picture, film):
     """Transfers all keys of ``obj`` by operators; returns figures, lengths in percent of the diagonal."""
     full = face.neutral + face.identity
     into = scene.collection("3 Remeshed identity")
@@ -70,6 +74,7 @@ def run(face, obj, made, studio, folder, picture):
         )
 
     studio.sheet(_tiles(obj, target, errors), picture)
+    studio.film(_frames(obj, target), film)
     return {
         "source_vertices": len(full),
         "source_triangles": len(scene.triangles(obj)),
@@ -186,6 +191,21 @@ def _tiles(obj, target, errors):
             Tile([scene.posed(target, mix)], label, note=f"transferred, off by {error:.2f} %", **frame)
         )
     return rows
+
+
+def _frames(obj, target):
+    """Into each expression and on into the next, on both faces."""
+    frame = {"centre": (0.0, -0.02), "height": 2.9, "turn": 25}
+    mixes = [source.MIXES[name] for name in PLAYED]
+    for before, after in zip([mixes[-1], *mixes[:-1]], mixes, strict=True):
+        for step in range(1, FILM + 1):
+            t = step / FILM
+            names = {**before, **after}
+            mix = {name: (1 - t) * before.get(name, 0.0) + t * after.get(name, 0.0) for name in names}
+            yield [
+                Tile([scene.posed(obj, mix)], "given", **frame),
+                Tile([scene.posed(target, mix)], "transferred", note="half the vertices", **frame),
+            ]
 
 
 def _wired(mesh):

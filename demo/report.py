@@ -21,6 +21,7 @@ def page(figures):
         *_suzanne(figures["suzanne"]),
         *_inbetween(figures["inbetween"]),
         *_arcs(figures["arcs"]),
+        *_elbow(figures["elbow"]),
         *_drawing(figures["drawing"]),
     ]
     return "\n\n".join(sections) + "\n"
@@ -128,6 +129,17 @@ def _arcs(figures):
         off = ", ".join(f"{row['degrees_off']:.2f} at {row['turns']} turns" for row in rows)
         yield f"A bar half way to a twist, degrees that its end is off, `{rotation}`: {off}."
     yield "![Twisted bars](twist.png)"
+
+
+def _elbow(figures):
+    section = figures["section_percent"]
+    yield "## An arm on its bone"
+    yield (
+        f"An arm bent by 120 degrees: its section at the elbow keeps {section['by weights']:.0f} % by "
+        f"weights and {section['Lissom']:.0f} % by an arc of {figures['keys']} shape keys whose slider the "
+        "bone drives."
+    )
+    yield "![An arm on its bone](elbow.png)"
 
 
 def _drawing(figures):

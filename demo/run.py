@@ -1,13 +1,14 @@
 """The demo: all three jobs on real meshes, in Blender without a window.
 
     python demo/run.py --out build/demo                 # demo.blend, pictures, report.md, report.json
-    python demo/run.py --out build/demo --publish       # and small copies of the pictures into docs/pictures
+    python demo/run.py --out build/demo --publish       # and copies, the pictures' small, into docs/pictures
 
 It needs the modules bpy and lissom, and drives the extension's own operators, as an artist's script would.
 """
 
 import argparse
 import os
+import shutil
 import sys
 import time
 from pathlib import Path
@@ -18,6 +19,7 @@ sys.path.insert(0, str(ROOT))  # for the extension's package; that of this file 
 import arcs  # noqa: E402
 import bpy  # noqa: E402
 import drawing  # noqa: E402
+import elbow  # noqa: E402
 import face as ict  # noqa: E402
 import inbetween  # noqa: E402
 import lissom  # noqa: E402
@@ -32,7 +34,8 @@ from studio import SAMPLES, Studio, publish  # noqa: E402
 import addon  # noqa: E402
 
 ARCS = ("lid", "jaw", "blink", "twist")
-PICTURES = ("pose", "remeshed", "suzanne", "suzanne_keys", "inbetween", *ARCS, "drawing")
+FILMS = ("pose", "transfer", "inbetween")
+PICTURES = ("pose", "remeshed", "suzanne", "suzanne_keys", "inbetween", *ARCS, "elbow", "drawing")
 
 
 def main(arguments):
@@ -47,16 +50,20 @@ def main(arguments):
     made = scene.material("Made by Lissom", (0.07, 0.27, 0.31), 0.5)
     studio = Studio(arguments.samples)
     pictures = {name: folder / f"{name}.png" for name in PICTURES}
+    films = {name: folder / f"{name}.gif" for name in FILMS}
 
     figures = {"blender": bpy.app.version_string, "lissom": lissom.__version__, "processors": os.cpu_count()}
-    figures["pose"] = pose.run(face, made, studio, pictures["pose"])
+    figures["pose"] = pose.run(face, made, studio, pictures["pose"], films["pose"])
     obj = source.make("ICT face", face, given, scene.collection("2 ICT face"), (3.0, 0, 0))
-    figures["remeshed"] = remeshed.run(face, obj, made, studio, folder, pictures["remeshed"])
+    figures["remeshed"] = remeshed.run(
+        face, obj, made, studio, folder, pictures["remeshed"], films["transfer"]
+    )
     figures["suzanne"] = suzanne.run(
         face, obj, given, made, studio, pictures["suzanne"], pictures["suzanne_keys"]
     )
-    figures["inbetween"] = inbetween.run(face, given, made, studio, pictures["inbetween"])
+    figures["inbetween"] = inbetween.run(face, given, made, studio, pictures["inbetween"], films["inbetween"])
     figures["arcs"] = arcs.run(face, given, made, studio, pictures)
+    figures["elbow"] = elbow.run(given, made, studio, pictures["elbow"])
     figures["drawing"] = drawing.run(studio, pictures["drawing"])
     figures["picture_seconds"] = studio.seconds
     studio.close()
@@ -65,10 +72,13 @@ def main(arguments):
     figures["seconds"] = time.perf_counter() - started
     report.write(folder, figures)
     print(report.expressions(figures["remeshed"]["expressions"]))
-    print(f"{folder}: demo.blend, report.md and {len(pictures)} pictures in {figures['seconds']:.0f} s")
+    made = f"demo.blend, report.md, {len(pictures)} pictures and {len(films)} films"
+    print(f"{folder}: {made} in {figures['seconds']:.0f} s")
     if arguments.publish:
         for name, picture in pictures.items():
             publish(picture, ROOT / "docs" / "pictures" / f"{name}.jpg")
+        for film in films.values():
+            shutil.copy(film, ROOT / "docs" / "pictures")
 
 
 def parsed(words):

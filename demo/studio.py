@@ -1,5 +1,7 @@
 """The pictures: every tile is one small render in a scene of its own, and a sheet is tiles side by side.
 
+A film is sheets one after another.
+
 Tiles are seen through an orthographic camera along y, so that a figure has the same size in all of them.
 """
 
@@ -16,6 +18,8 @@ BACKGROUND = (0.90, 0.90, 0.885)
 INK = (0.012, 0.014, 0.018)
 SAMPLES = 16
 GUTTER = 10  # pixels between tiles
+WIDTH = 720  # of a film, in pixels
+COLOURS = 128  # of a film: enough for two skins in one light, and small
 
 
 @dataclass
@@ -81,15 +85,41 @@ class Studio:
         started = time.perf_counter()
         usual = self.scene.cycles.samples
         self.scene.cycles.samples = min(samples or usual, usual)
+        write(self._sheet(rows, aspect, width), path)
+        self.scene.cycles.samples = usual
+        self.seconds += time.perf_counter() - started
+
+    def film(self, frames, path, aspect=1.2, back=False):
+        """Renders frames, each a row of tiles, to a GIF that plays for ever, with ``back`` to and fro.
+
+        Removes their meshes; ``frames`` may be a generator, so that those of one frame are there at a time.
+        """
+        from PIL import Image  # here, so that tests and pictures do without
+
+        started = time.perf_counter()
+        usual, self.scene.cycles.samples = self.scene.cycles.samples, min(self.scene.cycles.samples, 6)
+        shown = [
+            Image.fromarray(np.round(255 * self._sheet([row], aspect, WIDTH)[..., :3]).astype(np.uint8))
+            for row in frames
+        ]
+        self.scene.cycles.samples = usual
+        if back:
+            shown += shown[::-1]
+        palette = Image.fromarray(np.concatenate([np.asarray(picture) for picture in shown[::3]]))
+        palette = palette.quantize(COLOURS, Image.Quantize.MEDIANCUT)
+        first, *others = (picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in shown)
+        first.save(path, save_all=True, append_images=others, duration=80, loop=0, optimize=True)
+        self.seconds += time.perf_counter() - started
+
+    def _sheet(self, rows, aspect, width):
+        """Pixels of rows of tiles; their meshes are removed."""
         columns = max(len(row) for row in rows)
         tile_width = width // columns
         size = tile_width - GUTTER, int(tile_width * aspect) - GUTTER
         sheet = [np.concatenate([_framed(self._render(tile, *size)) for tile in row], axis=1) for row in rows]
-        write(np.concatenate(sheet, axis=0), path)
         for mesh in {mesh for row in rows for tile in row for mesh in tile.meshes}:
             bpy.data.meshes.remove(mesh)
-        self.scene.cycles.samples = usual
-        self.seconds += time.perf_counter() - started
+        return np.concatenate(sheet, axis=0)
 
     def _render(self, tile, width, height):
         shown = [self._add("Figure", mesh) for mesh in tile.meshes]

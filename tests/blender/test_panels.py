@@ -135,6 +135,7 @@ def test_pose_before_and_after_bind(panels):
             "stays": "FAR",
             "reach": 0.0,
             "symmetry": "OFF",
+            "stands": True,
             "cells": "spokes_and_rims",
             "rotation_smoothing": 0.001,
             "smoothness": 0.0,
@@ -164,6 +165,7 @@ def test_the_options_are_those_of_the_chosen_method_and_no_others(panels, method
     assert not any(name in by_name() for name in draw(panels["pose"], closed=True)["settings"])
     (given,) = drawn["operators"]["lissom.pose_bind"]
     own = {"use_weights": False, "weld": False, "stays": "FAR", "reach": 0.0, "symmetry": "OFF"}
+    own["stands"] = True
     assert given == {"object": "Tube", "method": method} | own | {
         name: option.default for (_, name), option in wanted.items()
     } | ({"base": base} if method == "multiresolution" else {})
@@ -193,7 +195,7 @@ def test_the_redo_panel_shows_the_options_of_the_method():
     )
     bpy.types.LISSOM_OT_pose_bind.draw(operator, bpy.context)
     shown = ["method", "k_s", "k_b", "border", "constraints", "preserve_volume", "unheld"]
-    assert drawn["settings"] == [*shown, "use_weights", "weld", "stays", "reach", "symmetry"]
+    assert drawn["settings"] == [*shown, "use_weights", "weld", "stays", "reach", "symmetry", "stands"]
 
 
 def test_one_handle_alone_is_asked_what_stays(panels):
