@@ -22,6 +22,14 @@ def of_address(address):
     return None
 
 
+def under(window, x, y):
+    """Whether the mouse is over a 3D view of a window."""
+    return any(
+        area.type == "VIEW_3D" and 0 <= x - area.x < area.width and 0 <= y - area.y < area.height
+        for area in window.screen.areas
+    )
+
+
 def split(context, sides):
     """Splits the 3D view of the context, each of two ``sides`` alone in one; their addresses, the own first.
 
@@ -144,3 +152,26 @@ def _same(one, other):
     return one[1] == other[1] and all(
         np.allclose(a, b, atol=1e-5) for a, b in zip(one[::2] + one[3:], other[::2] + other[3:], strict=True)
     )
+
+
+def looks(addresses):
+    """Where 3D views look, by address, for ``look_again``."""
+    found = {address: of_address(address) for address in addresses}
+    return {address: _look(one[1].spaces.active.region_3d) for address, one in found.items() if one}
+
+
+def look_again(looks):
+    """Has views look where they looked; what was closed meanwhile is left alone."""
+    for address, values in looks.items():
+        found = of_address(address)
+        if found:
+            for name, value in zip(_LOOK, values, strict=True):
+                setattr(found[1].spaces.active.region_3d, name, value)
+
+
+_LOOK = "view_perspective", "view_rotation", "view_location", "view_distance"
+
+
+def _look(view):
+    values = (getattr(view, name) for name in _LOOK)
+    return [value if isinstance(value, (str, float)) else value.copy() for value in values]
