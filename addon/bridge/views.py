@@ -1,11 +1,15 @@
 """3D views: what each of them shows, and where it looks."""
 
+from itertools import pairwise
+
 import bpy
 import numpy as np
-from mathutils import Quaternion, Vector
+from mathutils import Vector
 
 from ..core.framing import framed, free_span
 from ..core.refused import Refused
+
+SENSOR = 72.0  # millimetres: what a view shows at a distance of its lens; Blender doubles the 36 of a camera
 
 
 def region_of(area, kind="WINDOW"):
@@ -33,8 +37,7 @@ def under(window, x, y):
 def split(context, sides):
     """Splits the 3D view of the context, each of two ``sides`` alone in one; their addresses, the own first.
 
-    The new view is the left one and shows the first side. Until Blender has drawn both, neither knows its
-    place: ``frame`` them then.
+    The new view is the left one and shows the first side. ``frame`` them once they have ``settled``.
     """
     if context.area is None or context.area.type != "VIEW_3D":
         raise Refused("A 3D view is split in two: press it in one")
@@ -56,11 +59,21 @@ def together(context, addresses):
     own, new = map(areas.get, addresses)
     for area in filter(None, (own, new)):
         if area.spaces.active.local_view is not None:
-            with context.temp_override(area=area, region=region_of(area)):
-                bpy.ops.view3d.localview(frame_selected=True)
+            _switch(context, area)
     if own and new:
         with context.temp_override(area=new, region=region_of(new)):
             bpy.ops.screen.area_close()
+
+
+def _switch(context, area):
+    """Local View on or off, at once: a view that is on its way cannot be framed."""
+    preferences = context.preferences.view
+    smooth, preferences.smooth_view = preferences.smooth_view, 0
+    try:
+        with context.temp_override(area=area, region=region_of(area)):
+            bpy.ops.view3d.localview(frame_selected=True)
+    finally:
+        preferences.smooth_view = smooth
 
 
 def _show_alone(context, area, objects):
@@ -68,10 +81,23 @@ def _show_alone(context, area, objects):
     selected = {obj: obj.select_get() for obj in context.view_layer.objects}
     for obj in selected:
         obj.select_set(obj in objects)
-    with context.temp_override(area=area, region=region_of(area)):
-        bpy.ops.view3d.localview(frame_selected=True)
+    _switch(context, area)
     for obj, was in selected.items():
         obj.select_set(was)
+
+
+def settled(addresses):
+    """Whether Blender has drawn views since they were split: only then their regions know their sizes."""
+    areas = [found[1] for found in map(of_address, addresses) if found]
+    spans = sorted((area.x, area.x + area.width) for area in areas)
+    apart = all(one[1] <= other[0] for one, other in pairwise(spans))
+    inside = (
+        area.x <= region.x and region.x + region.width <= area.x + area.width
+        for area in areas
+        for region in map(region_of, [area] * 2, ("WINDOW", "UI"))
+        if region.width > 1
+    )
+    return apart and all(inside)
 
 
 def frame(addresses):
@@ -101,14 +127,14 @@ def look_at(area, corners, towards=None):
         for bar in (region_of(area, "UI"), region_of(area, "TOOLS"))
         if bar.width > 1
     ]
-    across = 2 / data.window_matrix[0][0] * (data.view_distance if data.is_perspective else 1)
     size = region.width, region.height
+    across = SENSOR / area.spaces.active.lens * data.view_distance  # of the longer side of the region
     data.view_location, factor = framed(
         corners,
         np.array(data.view_rotation.to_matrix()),
         size,
         free_span(region.width, covering),
-        across / region.width,
+        across / max(size),
     )
     data.view_distance *= factor
 
@@ -116,42 +142,34 @@ def look_at(area, corners, towards=None):
 class Linked:
     """Two views that look at two things alike: as one is turned, moved or zoomed, so is the other."""
 
-    def __init__(self, addresses, boxes):
-        """``boxes`` are the corners (k, 3) of what each looks at."""
+    def __init__(self, addresses):
+        """As the views look now, each shows its own thing as it should."""
         self._addresses = addresses
-        self._middles = [corners.mean(axis=0) for corners in boxes]
-        self._sizes = [float(np.linalg.norm(np.ptp(corners, axis=0))) for corners in boxes]
-        self._last = None
+        self._home = self._last = self._states()
 
     def follow(self):
         """Has the view follow that was not touched since the last time; at first the second one."""
-        found = list(map(of_address, self._addresses))
-        if None in found:
+        now = self._states()
+        if len(now) < 2 or all(map(_same, now, self._last)):
             return
-        views = [area.spaces.active.region_3d for _, area in found]
-        now = [self._state(place, view) for place, view in enumerate(views)]
-        leader = 0 if self._last is None or not _same(now[0], self._last[0]) else 1
-        if self._last is None or not all(map(_same, now, self._last)):
-            turn, way, offset, distance = now[leader]
-            other = 1 - leader
-            views[other].view_perspective = "PERSP" if way == "CAMERA" else way
-            views[other].view_rotation = Quaternion(turn)
-            views[other].view_location = self._middles[other] + np.array(offset) * self._sizes[other]
-            views[other].view_distance = distance * self._sizes[other]
-            now[other] = self._state(other, views[other])
-        self._last = now
+        leader = 1 if _same(now[0], self._last[0]) else 0
+        view = of_address(self._addresses[1 - leader])[1].spaces.active.region_3d
+        home, other = self._home[leader], self._home[1 - leader]
+        way, turn, location, distance = now[leader]
+        scale = other[3] / home[3]
+        view.view_perspective = "PERSP" if way == "CAMERA" else way
+        view.view_rotation = turn
+        view.view_location = other[2] + (location - home[2]) * scale
+        view.view_distance = distance * scale
+        self._last = self._states()
 
-    def _state(self, place, view):
-        """Where a view looks, as parts of the size of what it looks at."""
-        size = self._sizes[place]
-        offset = (np.array(view.view_location) - self._middles[place]) / size
-        return tuple(view.view_rotation), view.view_perspective, tuple(offset), view.view_distance / size
+    def _states(self):
+        return list(looks(self._addresses).values())
 
 
 def _same(one, other):
-    return one[1] == other[1] and all(
-        np.allclose(a, b, atol=1e-5) for a, b in zip(one[::2] + one[3:], other[::2] + other[3:], strict=True)
-    )
+    parts = ((np.array(a), np.array(b)) for a, b in zip(one[1:], other[1:], strict=True))
+    return one[0] == other[0] and all(np.allclose(a, b, rtol=1e-5, atol=1e-6) for a, b in parts)
 
 
 def looks(addresses):

@@ -56,7 +56,7 @@ class LISSOM_OT_review(bpy.types.Operator):
             raise
         self._looks = {} if self._splits else views.looks(session.views)
         session.review = self._review
-        _link(self._review, views.Linked(session.views, [views.box(side) for side in sides]))
+        _link(self._review)
         self._timer = context.window_manager.event_timer_add(TICK, window=context.window)
         context.window_manager.modal_handler_add(self)
         context.workspace.status_text_set(HINT)
@@ -114,18 +114,19 @@ class LISSOM_OT_review(bpy.types.Operator):
         redraw_sidebars()
 
 
-def _link(review, linked):
+def _link(review):
     """Has both views look alike as long as the review goes on, also while one is being turned."""
-    framed = []
+    linked = []
 
     def follow():
-        if session.review is not review:
+        if session.review is not review or session.views is None:
             return None
-        if not framed:  # now that they are drawn they know their places
-            views.frame(session.views or ())
-            framed.append(True)
-        else:
-            linked.follow()
+        if not views.settled(session.views):
+            return LINK
+        if not linked:
+            views.frame(session.views)
+            linked.append(views.Linked(session.views))
+        linked[0].follow()
         return LINK
 
     bpy.app.timers.register(follow, first_interval=0.0)

@@ -33,7 +33,11 @@ class LISSOM_OT_marker_views(bpy.types.Operator):
 
 
 def _frame():
-    views.frame(session.views or ())
+    addresses = session.views or ()
+    if not views.settled(addresses):
+        return 0.02
+    views.frame(addresses)
+    return None
 
 
 classes = (LISSOM_OT_marker_views,)
