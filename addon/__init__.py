@@ -26,6 +26,7 @@ from .operators import (
     transfer_parts,
     transfer_pick,
     transfer_pose,
+    transfer_review,
     transfer_show,
     transfer_sides,
     transfer_views,
@@ -34,6 +35,7 @@ from .panels import inbetween as inbetween_panel
 from .panels import main as main_panel
 from .panels import menus
 from .panels import pose as pose_panel
+from .panels import quality as quality_panel
 from .panels import transfer as transfer_panel
 from .properties import inbetween as inbetween_properties
 from .properties import main as main_properties
@@ -58,6 +60,7 @@ _OPERATORS = (
     transfer_fit,
     transfer_keys,
     transfer_pose,
+    transfer_review,
     transfer_attributes,
     transfer_parts,
     transfer_show,
@@ -67,7 +70,7 @@ _OPERATORS = (
     inbetween_export,
     inbetween_image,
 )
-_PANELS = (main_panel, pose_panel, transfer_panel, inbetween_panel)  # in the order of the tab
+_PANELS = (main_panel, pose_panel, quality_panel, transfer_panel, inbetween_panel)  # in the order of the tab
 _DRAWING = (ghost, marks, guide)
 _MODULES = (*_PROPERTIES, *_OPERATORS, *_PANELS, menus, preferences)
 _CLASSES = [cls for module in _MODULES for cls in module.classes]
