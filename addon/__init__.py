@@ -2,16 +2,19 @@
 
 import bpy
 
-from . import commands, live, preferences, rebind
+from . import commands, live, preferences, rebind, watch
 from .drawing import ghost, guide, marks
 from .operators import (
+    inbetween_all,
     inbetween_arcs,
     inbetween_bake,
+    inbetween_export,
     inbetween_image,
     page,
     pose_apply,
     pose_bake,
     pose_bind,
+    pose_drive,
     pose_handles,
     pose_tool,
     transfer_attributes,
@@ -43,6 +46,7 @@ _OPERATORS = (
     pose_bind,
     pose_apply,
     pose_bake,
+    pose_drive,
     pose_tool,
     transfer_sides,
     transfer_markers,
@@ -56,7 +60,9 @@ _OPERATORS = (
     transfer_parts,
     transfer_show,
     inbetween_bake,
+    inbetween_all,
     inbetween_arcs,
+    inbetween_export,
     inbetween_image,
 )
 _PANELS = (main_panel, pose_panel, transfer_panel, inbetween_panel)  # in the order of the tab
@@ -74,6 +80,7 @@ def register():
     pose_tool.register()
     menus.register()
     live.register()
+    watch.register()
     for module in _DRAWING:
         module.register()
     commands.register()
@@ -84,6 +91,7 @@ def unregister():
     for module in reversed(_DRAWING):
         module.unregister()
     rebind.unregister()
+    watch.unregister()
     live.unregister()
     menus.unregister()
     pose_tool.unregister()

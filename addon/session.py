@@ -6,13 +6,16 @@ loading a file leave no dangling reference. All of it can be lost and made again
 
 poses = {}  # session_uid of a mesh object -> core.pose.BoundPose
 worlds = {}  # session_uid of a bound mesh object -> its matrix (4, 4) when it was last looked at
+skins = {}  # session_uid of a bound mesh object -> core.skin.Skin that it was bound with, where it has one
+stances = {}  # session_uid of a bound mesh object -> bridge.standing.stance at Bind
 rebinding = {}  # name of a mesh object -> core.work.Work that binds it anew, None before it starts
 status = {}  # name of a mesh object -> (icon, text) about its live pose
-fit = None  # operators.transfer_fit.Memory: the last fit
+fit = None  # jobs.fit.Memory: the last fit
 work = None  # core.work.Work that a modal operator runs now; there is at most one
 colours = {}  # session_uid of a mesh object -> its active colour attribute before the colours of a fit
 shadings = {}  # (screen, place of the area) -> shading of a 3D view before the colours of a fit
 picking = None  # core.picking.Picking while markers are picked
+stale = {}  # session_uid of a mesh object -> names of its arcs whose ends were changed since they were baked
 views = None  # (the area that was split, the new one), by their addresses, while there are two for picking
 history = 0  # counts undo, redo and file loading
 
@@ -22,8 +25,11 @@ def clear():
     global fit, picking, views
     poses.clear()
     worlds.clear()
+    skins.clear()
+    stances.clear()
     rebinding.clear()
     status.clear()
     shadings.clear()
     colours.clear()
+    stale.clear()
     fit = picking = views = None

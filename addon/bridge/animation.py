@@ -72,6 +72,11 @@ def move(block, path, target, target_path):
 def remove(block, path):
     """Takes driver and animation curve off a property."""
     block.driver_remove(path)
+    remove_curve(block, path)
+
+
+def remove_curve(block, path):
+    """Takes the animation curve off a property."""
     found = curve(block, path)
     if found is not None:
         _curves(block).remove(found)

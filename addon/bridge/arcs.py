@@ -12,6 +12,7 @@ Absolute keys: P_0 to P_n are keys one after the other behind those that were th
 the evaluation time through them; Blender goes straight from key to key by itself.
 """
 
+import hashlib
 from dataclasses import fields
 
 import bpy
@@ -20,8 +21,9 @@ import numpy as np
 from ..core import easing, hat, names, space
 from ..core import inbetween as core_inbetween
 from ..core.easing import EASINGS
-from ..core.inbetween import Asked, path_work
+from ..core.inbetween import Asked, path_steps
 from ..core.refused import Refused, first
+from ..core.work import Work
 from . import animation, checks, images, meshes, mirrors, shape_keys, sliders
 
 # The evaluation time that an absolute arc takes. Blender puts a new key 10 behind the last one unless a key,
@@ -38,6 +40,26 @@ def refusal(obj):
 def absolute(obj):
     """The arc that plays by absolute keys, or None."""
     return next((arc for arc in obj.lissom_inbetween.arcs if arc.playback == "ABSOLUTE"), None)
+
+
+def offered(obj, start):
+    """Names of the shape keys that arcs can lead to: no live pose, not the start, not made by an arc."""
+    keys = obj.data.shape_keys
+    if keys is None:
+        return []
+    left_out = {key.name for arc in obj.lissom_inbetween.arcs for key in arc.keys}
+    left_out |= {start or keys.reference_key.name, *shape_keys.previews(obj.data)}
+    return [key.name for key in keys.key_blocks if key.name not in left_out]
+
+
+def is_stale(obj, arc):
+    """Whether an arc's ends have changed since it was baked, or are gone."""
+    if not arc.digest:  # of an older version
+        return False
+    try:
+        return Ends(obj, asked_of(arc)).digest() != arc.digest
+    except Refused:
+        return True
 
 
 def find(obj, slider):
@@ -77,12 +99,23 @@ class Ends:
         self._mirrors = mirrors.of(obj, self.mesh.linear)
         self._obstacle = obstacle(obj, asked.clearance, self.names) if asked.clearance else None
 
+    def digest(self):
+        """Equal exactly where the shapes are those that it was of."""
+        found = hashlib.blake2b(digest_size=16)
+        for shape in (self.mesh.vertices, self.first, self.last, *(shape for _, shape in self.stops)):
+            found.update(np.float32(shape).tobytes())
+        return found.hexdigest()
+
     def path(self, asked):
-        """Work whose result is core.inbetween.Sampled, in solve space."""
+        """Work whose result is ``path_steps``'s."""
+        return Work(self.path_steps(asked))
+
+    def path_steps(self, asked):
+        """Steps of a Work whose result is core.inbetween.Sampled, in solve space."""
         linear = self.mesh.linear
         ends = space.into(linear, self.first), space.into(linear, self.last)
         stops = [(time, space.into(linear, shape)) for time, shape in self.stops]
-        return path_work(self.mesh.geometry(), *ends, asked, self._obstacle, stops, self._mirrors)
+        return path_steps(self.mesh.geometry(), *ends, asked, self._obstacle, stops, self._mirrors)
 
     def back(self, shapes):
         """Shapes of that path, in the object's coordinates."""
@@ -118,7 +151,7 @@ def obstacle(obj, name, ends):
 
 
 class Baking:
-    """An arc on its way into shape keys: read here, computed by ``work``, written by ``write``."""
+    """An arc on its way into shape keys: read here, computed by ``steps``, written by ``write``."""
 
     def __init__(self, obj, asked):
         require(obj)
@@ -131,7 +164,10 @@ class Baking:
         if self.slider is None:
             raise Refused(f"Slider '{wanted}' exists, and If Exists is Skip: choose another name")
         self._check_slider(obj)
-        self.work = self._ends.path(asked)
+
+    def steps(self):
+        """Steps of a Work whose result ``write`` takes."""
+        return self._ends.path_steps(self.asked)
 
     def _check_slider(self, obj):
         slider = self.slider
@@ -167,6 +203,7 @@ class Baking:
             if hasattr(arc, one.name):
                 setattr(arc, one.name, getattr(self.asked, one.name))
         arc.name, arc.start, arc.end = self.slider, start.name, end.name
+        arc.digest = self._ends.digest()
         warnings = [*sampled.warnings, *mirrors.left_out(obj)]
         if rerouted and rerouted != end.name:
             arc.reroute = False  # what the slider has is another key's

@@ -58,9 +58,9 @@ def refusal(obj, keys=True):
     return ""
 
 
-def require_writable(obj):
+def require_writable(obj, keys=True):
     """Raises what ``refusal`` says."""
-    reason = refusal(obj)
+    reason = refusal(obj, keys)
     if reason:
         raise Refused(reason)
 

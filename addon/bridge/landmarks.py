@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..core import marks
+from ..core import marker_places
 from ..core.landmarks import SETS, is_own_name
 from ..core.surface import Point
 from .meshes import surface
@@ -35,11 +35,11 @@ def of(obj):
     places = np.array([tuple(row.place) for row in rows])
     kept = [
         max(point.corners) < len(vertices)
-        and np.linalg.norm(point.position(vertices) - place) <= SAME * marks.diagonal(vertices)
+        and np.linalg.norm(point.position(vertices) - place) <= SAME * marker_places.diagonal(vertices)
         for point, place in zip(points, places, strict=True)
     ]
     if not all(kept):
-        again = marks.found_again(vertices, triangles, places)
+        again = marker_places.found_again(vertices, triangles, places)
         points = [point if same else new for point, same, new in zip(points, kept, again, strict=True)]
     return {row.name: point for row, point in zip(rows, points, strict=True) if point is not None}
 

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 
 from .. import session
-from ..core import marker_file, markers, marks
+from ..core import marker_file, marker_places, markers
 from ..core.picking import Mark
 from ..core.refused import Refused, first
 from . import landmarks
@@ -117,10 +117,10 @@ def _curves_found_again(curves, ends, changed):
             places = getattr(curve, f"{side}_places")
             if places is None or not len(vertices):
                 continue
-            found, away = marks.nearest(vertices, np.array(places))
+            found, away = marker_places.nearest(vertices, np.array(places))
             found = tuple(found.tolist())
             joined = all(frozenset(pair) in edges for pair in pairwise(found))
-            if not joined or away.max() > marks.FAR * marks.diagonal(vertices):
+            if not joined or away.max() > marker_places.FAR * marker_places.diagonal(vertices):
                 raise Refused(
                     f"'{obj.name}' was remodelled where curve '{curve.name}' runs, or is another mesh: "
                     "remove the curve, and add it anew"
@@ -152,7 +152,7 @@ def _found_again(pairs, ends, changed):
         if not obj.data.vertices:
             raise Refused(f"'{obj.name}' has no vertices: choose another object")
         places = np.array([pairs[number].place(side) for number in placed])
-        found = marks.found_again(*surface(obj), places)
+        found = marker_places.found_again(*surface(obj), places)
         lost = [pairs[number].name for number, point in zip(placed, found, strict=True) if point is None]
         if lost:
             raise Refused(

@@ -9,24 +9,18 @@ from ..core import space, turns
 from ..core.pose import check_groups
 from ..core.pose_options import Asked, options_of
 from ..core.refused import Refused, first
-from . import empties, groups, meshes, mirrors, shape_keys
-
-DEFORMING = {
-    "ARMATURE", "CAST", "CLOTH", "CORRECTIVE_SMOOTH", "CURVE", "DISPLACE", "HOOK", "LAPLACIANDEFORM",
-    "LAPLACIANSMOOTH", "LATTICE", "MESH_CACHE", "MESH_DEFORM", "SHRINKWRAP", "SIMPLE_DEFORM", "SMOOTH",
-    "SOFT_BODY", "SURFACE_DEFORM", "WARP", "WAVE",
-}  # fmt: skip
+from . import empties, groups, meshes, mirrors, shape_keys, standing
 
 
-def bind_work(obj, linear, asked):
-    """Work whose result is a BoundPose of the object's rest shape, by the vertex groups of its settings."""
+def bind_work(obj, linear, asked, skin=None):
+    """Work whose result is a BoundPose of the object as its Skin shows it, by its settings' vertex groups."""
     settings = obj.lissom_pose
     names = [handle.name for handle in settings.handles]
     found = groups.weighted_members(obj, [*names, settings.roi])
     members = {name: indices for name, (indices, _) in found.items()}
     check_groups(members, names, settings.roi)
     return core_pose.bind_work(
-        space.into(linear, meshes.rest_positions(obj.data)),
+        space.into(linear, _stood(obj, skin)),
         space.outward(linear, meshes.triangles(obj.data)),
         meshes.corners(obj.data),
         [members[name] for name in names],
@@ -35,6 +29,10 @@ def bind_work(obj, linear, asked):
         asked,
         mirrors.of(obj, linear, asked.symmetry),
     )
+
+
+def _stood(obj, skin):
+    return meshes.rest_positions(obj.data) if skin is None else skin.shown
 
 
 def asked(settings):
@@ -70,9 +68,13 @@ def current(obj):
     if obj.name in session.rebinding:
         raise Refused(f"'{obj.name}' is still being bound anew: wait a moment")
     linear = linear_part(obj)
+    if settings.stood and standing.has_moved(obj):
+        raise Refused(
+            f"What moves '{obj.name}' stands elsewhere than at Bind: put it back, or press Unbind, then Bind"
+        )
     known = session.poses.get(obj.session_uid)
     if known is not None:
-        rest = space.into(linear, meshes.rest_positions(obj.data))
+        rest = space.into(linear, _stood(obj, standing.of(obj, preview(obj))))
         wanted = asked(settings)
         if known.fits(rest, meshes.corners(obj.data), wanted, mirrors.of(obj, linear, wanted.symmetry)):
             return known
@@ -85,7 +87,8 @@ def bind_again(obj):
     """Work whose result is the BoundPose of an object that is bound, by its settings of now (row 26)."""
     if meshes.signature(obj.data) != obj.lissom_pose.topology:
         raise Refused(f"The mesh of '{obj.name}' was remodelled since Bind: press Unbind, then Bind")
-    return bind_work(obj, linear_part(obj), asked(obj.lissom_pose))
+    skin = standing.of(obj, preview(obj))
+    return bind_work(obj, linear_part(obj), asked(obj.lissom_pose), skin)
 
 
 def linear_part(obj):
@@ -117,34 +120,18 @@ def preview(obj):
 
 
 def left_out(obj):
-    """Warnings about what is seen of the object and not in the shape that is posed, its Basis."""
-    keys, said = obj.data.shape_keys, []
-    baked = obj.lissom_pose.baked.keys()
-    on = [
-        key.name
-        for key in (keys.key_blocks if keys else [])
-        if key != keys.reference_key and not key.mute and key.value and key.name not in baked
-    ]
-    if on:
-        said.append(f"The pose starts from the Basis: shape key {first(map(repr, on))} is on and adds to it")
-    if any(_deforms(modifier) for modifier in obj.modifiers):
-        moving = first(repr(modifier.name) for modifier in obj.modifiers if _deforms(modifier))
-        said.append(f"The pose starts from the Basis: modifier {moving} moves the mesh, not the Empties")
-    return [*said, *mirrors.left_out(obj)]
-
-
-def _deforms(modifier):
-    """True for a modifier that moves vertices now and makes none."""
-    kind = modifier.type
-    if not modifier.show_viewport or kind not in DEFORMING:
-        return False
-    if kind != "ARMATURE":
-        return True
-    rig = modifier.object
-    if rig is None or rig.data.pose_position == "REST":
-        return False
-    turned = (np.array(bone.matrix_channel) for bone in rig.pose.bones)  # constraints included
-    return any(not np.allclose(matrix, np.eye(4), atol=space.STILL) for matrix in turned)
+    """Warnings about what is seen of the object and not in the shape that is posed."""
+    said = mirrors.left_out(obj)
+    if obj.lissom_pose.stood:
+        return said
+    keys, modifiers = standing.keys_on(obj), standing.deforming(obj)
+    start = "The pose starts from the Basis: "
+    if modifiers:
+        moving = first(repr(modifier.name) for modifier in modifiers)
+        said.insert(0, f"{start}modifier {moving} moves the mesh, not the Empties")
+    if keys:
+        said.insert(0, f"{start}shape key {first(map(repr, keys))} is on and adds to it")
+    return said
 
 
 def foreign_handles(obj):
@@ -243,9 +230,16 @@ def motion(obj, tracker=None):
     return core_pose.Motion(transforms, (tracker or turns.Tracker()).turns(transforms, told), by_itself)
 
 
+def key_shape(obj, vertices):
+    """(n, 3): the shape key that shows (n, 3) solved positions, through the Skin where the object has one."""
+    shape = space.back(linear_part(obj), vertices)
+    skin = standing.of(obj, preview(obj))
+    return shape if skin is None else skin.key(shape)
+
+
 def show(obj, vertices):
     """Writes (n, 3) solved positions to the preview key."""
-    shape_keys.write_points(preview(obj), space.back(linear_part(obj), vertices))
+    shape_keys.write_points(preview(obj), key_shape(obj, vertices))
 
 
 def place_at_rest(obj):

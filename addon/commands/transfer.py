@@ -5,13 +5,15 @@ import pathlib
 import time
 
 import bpy
+import lissom
 
-from .. import session
 from ..bridge import checks
+from ..core import bake
 from ..core.options import argument
 from ..core.refused import Refused
-from ..operators.transfer_fit import key_names
-from ..operators.transfer_parts import quality_rows
+from ..jobs.fit import key_names
+from ..jobs.transfer_keys import KeysAsked, TransferKeys
+from ..jobs.transfer_pose import AnimationAsked, PoseAsked, TransferAnimation, TransferPose
 from ..properties.transfer import EXISTS_ITEMS
 
 SUMMARY = "carry shape keys, a pose or animation of one mesh over to another of different topology"
@@ -66,15 +68,16 @@ def run(arguments):
         sources, brought = _sources(arguments)
         transfer = next((run for name, run in INSTEAD.items() if getattr(arguments, name)), _transfer_keys)
         report = {"source": [source.name for source in sources], "target": arguments.target, "errors": []}
-        report |= transfer(arguments, sources, _common(arguments, sources))
-        report |= {"fit": session.fit.fit.report, "doubtful_markers": _doubtful_markers()}
+        done, what = transfer(arguments, sources, _common(arguments, sources))
+        report |= what
+        report |= {"fit": done.fit.fit.report, "doubtful_markers": done.doubtful_markers}
         report["seconds"] = round(time.perf_counter() - started, 3)
         report["errors"] += _send_back(brought, targets)
         bpy.ops.wm.save_as_mainfile(filepath=_absolute(arguments.out), copy=True)
         if arguments.report:
             text = json.dumps(report, indent=2) + "\n"
             pathlib.Path(arguments.report).write_text(text, encoding="utf-8")
-    except (Refused, RuntimeError, OSError) as error:
+    except (Refused, lissom.Error, RuntimeError, OSError) as error:
         print(f"Error: {str(error).removeprefix('Error: ').strip()}")
         return BAD_INPUT
     for error in report["errors"]:
@@ -87,7 +90,7 @@ def run(arguments):
 
 
 def _common(arguments, sources):
-    """The operator's properties that do not depend on what is carried over."""
+    """What is asked for whatever is carried over."""
     return {
         "source": "\n".join(source.name for source in sources),
         "target": "\n".join(arguments.target),
@@ -104,42 +107,42 @@ def _common(arguments, sources):
     }
 
 
-def _doubtful_markers():
-    return [
-        {"name": marker.name, "source": marker.source, "target": marker.target, "reason": why}
-        for marker, why in session.fit.doubts.values()
-    ]
+def _run(job):
+    done = job.write(bpy.context, job.work.wait())
+    for warning in done.warnings:
+        print(f"Warning: {warning}")
+    return done
 
 
 def _transfer_keys(arguments, sources, common):
     keys, unknown = _keys(sources, arguments.keys)
-    bpy.ops.lissom.transfer_keys(
-        keys="\n".join(keys),
+    asked = KeysAsked(
+        keys=tuple(keys),
         exists=arguments.exists.upper(),
         drivers=arguments.drivers.upper(),
         drop_empty=arguments.drop_empty,
         **common,
     )
-    return {
-        "keys": keys,
-        "errors": [f"'{arguments.source[0]}' has no shape key named '{name}'" for name in unknown],
-        "quality": quality_rows(bpy.context.scene),
-    }
+    done = _run(TransferKeys(bpy.context, asked))
+    errors = [f"'{arguments.source[0]}' has no shape key named '{name}'" for name in unknown]
+    return done, {"keys": keys, "errors": errors, "quality": done.quality}
 
 
 def _transfer_pose(arguments, sources, common):
-    bpy.ops.lissom.transfer_pose(name=arguments.pose, exists=arguments.exists.upper(), **common)
-    return {"pose": arguments.pose}
+    asked = PoseAsked(name=arguments.pose, exists=arguments.exists.upper(), **common)
+    return _run(TransferPose(bpy.context, asked)), {"pose": arguments.pose}
 
 
 def _transfer_frames(arguments, sources, common):
     start, end, step = (*arguments.frames, 1)[:3]
+    frames = bake.frames(start, end, step, keys=not arguments.cache)
+    asked = AnimationAsked(frames=frames, step=step, **common)
     if arguments.cache:
-        common |= {"output": "CACHE", "cache_path": _absolute(arguments.cache)}
-    bpy.ops.lissom.transfer_animation(frame_start=start, frame_end=end, step=step, **common)
-    targets = map(bpy.data.objects.get, arguments.target) if arguments.cache else ()
-    caches = [obj.modifiers[0].filepath for obj in targets]
-    return {"frames": list(range(start, end + 1, step)), "caches": caches}
+        asked.cache_path = _absolute(arguments.cache)
+    else:
+        asked.keys = tuple(bake.key_names(asked.name, frames))
+    done = _run(TransferAnimation(bpy.context, asked))
+    return done, {"frames": frames, "caches": done.caches}
 
 
 INSTEAD = {"pose": _transfer_pose, "frames": _transfer_frames}

@@ -8,7 +8,6 @@ import numpy as np
 
 from . import hat, mirrors
 from .refused import Refused
-from .work import Work
 
 MAX_COUNT = 100  # in-betweens
 OPTIONS = ("rotation", "stretch", "refinement", "preserve_volume")
@@ -76,30 +75,27 @@ class Sampled:
     warnings: list
 
 
-def path_work(mesh, start, end, asked, obstacle=None, through=(), mirrors=mirrors.NONE):
-    """Work whose result is Sampled; ``mesh``: vertices, triangles; ``start`` and ``end``: (n, 3).
+def path_steps(mesh, start, end, asked, obstacle=None, through=(), mirrors=mirrors.NONE):
+    """Steps of a Work whose result is Sampled; ``mesh``: vertices, triangles; ``start`` and ``end``: (n, 3).
 
     ``through``: [(time, (n, 3))]. ``obstacle``: what the path keeps out of, as vertices at the start,
     triangles, vertices at the end. ``mirrors``: those of the object.
     """
 
-    def steps():
-        options = asked.options | {"through": list(through)} | mirrors.half(start)
-        if obstacle is not None:
-            vertices, triangles, last = obstacle
-            options |= {"clearance": lissom.Mesh(vertices, triangles)}
-            if not np.array_equal(vertices, last):
-                options |= {"clearance_end": last}
-        path = yield lissom.start_inbetween(lissom.Mesh(*mesh), start, end, **options)
-        knots, said, times = hat.uniform_knots(asked.count), [], [time for time, _ in through]
-        search = asked.start_knots(path)
-        if search is not None:
-            found = yield search
-            knots, said = found.times, list(found.warnings)
-        wanted, knots = len(knots), hat.spread(knots, times)
-        if search is not None and len(knots) < wanted:
-            said.append("Keys closer to another than the slider tells apart are left out")
-        shapes = yield path.start_at(knots)
-        return Sampled(knots, shapes, [*path.warnings, *said])
-
-    return Work(steps())
+    options = asked.options | {"through": list(through)} | mirrors.half(start)
+    if obstacle is not None:
+        vertices, triangles, last = obstacle
+        options |= {"clearance": lissom.Mesh(vertices, triangles)}
+        if not np.array_equal(vertices, last):
+            options |= {"clearance_end": last}
+    path = yield lissom.start_inbetween(lissom.Mesh(*mesh), start, end, **options)
+    knots, said, times = hat.uniform_knots(asked.count), [], [time for time, _ in through]
+    search = asked.start_knots(path)
+    if search is not None:
+        found = yield search
+        knots, said = found.times, list(found.warnings)
+    wanted, knots = len(knots), hat.spread(knots, times)
+    if search is not None and len(knots) < wanted:
+        said.append("Keys closer to another than the slider tells apart are left out")
+    shapes = yield path.start_at(knots)
+    return Sampled(knots, shapes, [*path.warnings, *said])

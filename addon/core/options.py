@@ -54,3 +54,8 @@ def argument(owner, name):
     unit = f", {known.unit}" if known.unit else ""
     kind = {"int": int, "float": float}[known.kind]
     return {"type": kind, "default": known.default, "help": f"{known.help} ({known.default:g}{unit})"}
+
+
+def default(owner, name):
+    """The core's default of an option."""
+    return _KNOWN[owner, name].default

@@ -54,3 +54,8 @@ def as_dict(row):
     told = [line for line in row.reasons.splitlines() if line]
     found = {"name": row.name, "verdict": row.verdict, "reasons": told, "faces": unpack_faces(row.faces)}
     return found | {measure: getattr(row, measure) for measure in MEASURES}
+
+
+def as_dicts(rows):
+    """A table as it is written to a file, the worst first."""
+    return [as_dict(row) for row in sorted(rows, key=badness, reverse=True)]

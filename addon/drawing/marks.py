@@ -10,7 +10,7 @@ import gpu
 
 from .. import preferences, session
 from ..bridge import picking
-from ..core.marks import colour
+from ..core.marker_places import colour
 from .shapes import ring
 
 RIM = 1.5  # pixels

@@ -2,12 +2,10 @@
 
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
-from ..core import names
+from ..core import bake
 from ..core.refused import Refused
 from ..properties.pose import BAKE_ITEMS, BAKE_OUTPUT, BAKE_PATH, BAKE_STEP
 
-MOST_KEYS = 10_000
-MOST_FRAMES = 1_000_000
 CACHE_FILE = {
     "name": "Cache File",
     "description": BAKE_PATH,
@@ -38,22 +36,11 @@ class BakeProperties:
         for name in ("frame_start", "frame_end"):
             if not self.properties.is_property_set(name):
                 setattr(self, name, getattr(scene, name))
-        start, end = self.frame_start, self.frame_end
-        if end < start:
-            raise Refused(f"The last frame, {end}, is before the first, {start}")
-        count = (end - start) // self.step + 1
-        if count > MOST_FRAMES:
-            raise Refused(f"{count} frames are too many: raise the step, or bake in parts")
-        frames = list(range(start, end + 1, self.step))
-        if self.output == "KEYS" and len(frames) > MOST_KEYS:
-            raise Refused(
-                f"{len(frames)} shape keys are too many for Blender: raise the step, or bake a cache"
-            )
-        return frames
+        return bake.frames(self.frame_start, self.frame_end, self.step, self.output == "KEYS")
 
     def key_names(self, frames):
         """The name of the shape key of each frame."""
-        return [names.shorten(self.name, f" {frame:04d}") for frame in frames]
+        return bake.key_names(self.name, frames)
 
     def summary(self, where, frames):
         """What was baked, in one line."""

@@ -4,6 +4,7 @@ import bpy
 from bpy.props import StringProperty
 
 from ..bridge import arcs, checks
+from ..core.work import Work
 from .inbetween_bake import BakeOperator, arc_poll
 from .job import answering
 from .pose_handles import OBJECT
@@ -43,7 +44,7 @@ class LISSOM_OT_inbetween_rebake(ArcOperator, BakeOperator, bpy.types.Operator):
         obj = self._object(context)
         arc = arcs.find(obj, self.slider)
         self._baking = arcs.Baking(obj, arcs.asked_of(arc, slider=self.slider, exists="UPDATE"))
-        return self._baking.work
+        return Work(self._baking.steps())
 
 
 class LISSOM_OT_inbetween_rename(ArcOperator, bpy.types.Operator):

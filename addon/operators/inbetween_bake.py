@@ -4,6 +4,7 @@ import bpy
 from bpy.props import BoolProperty, StringProperty
 
 from ..bridge import arcs, checks
+from ..core.work import Work
 from ..properties.inbetween import ArcSettings, PathSettings
 from ..properties.transfer import exists_property
 from .job import JobOperator, allowed, shown_object
@@ -58,7 +59,7 @@ class LISSOM_OT_inbetween_bake(BakeOperator, PathSettings, ArcSettings, bpy.type
     def begin(self, context):
         obj = checks.mesh_object(self.object, context)
         self._baking = arcs.Baking(obj, arcs.asked_of(self))
-        return self._baking.work
+        return Work(self._baking.steps())
 
 
 classes = (LISSOM_OT_inbetween_bake,)

@@ -4,7 +4,7 @@ import bpy
 from bpy.props import BoolProperty, FloatProperty, StringProperty
 
 from ..bridge import checks, meshes, poses, shape_keys
-from ..core import names, space
+from ..core import names
 from ..core.refused import Refused
 from ..properties.options import iterations_property
 from ..properties.transfer import exists_property
@@ -61,7 +61,7 @@ class LISSOM_OT_pose_apply(JobOperator, bpy.types.Operator):
     def finish(self, context, result):
         vertices, report = result
         obj = self._mesh.find()
-        shape = space.back(self._mesh.linear, vertices)
+        shape = poses.key_shape(obj, vertices)
         shape_keys.write(obj, self._name, shape, shape_keys.Settings(value=self.value))
         if self.reset:
             poses.reset(obj)

@@ -5,7 +5,7 @@ import numpy as np
 from bpy.props import StringProperty
 
 from .. import live
-from ..bridge import checks, meshes, playback, poses, shape_keys
+from ..bridge import checks, meshes, playback, poses, shape_keys, standing
 from ..core import cache, space
 from ..core.refused import Refused, first
 from ..core.work import Work
@@ -46,6 +46,7 @@ class LISSOM_OT_pose_bake(BakeProperties, JobOperator, bpy.types.Operator):
         self._mesh = meshes.Snapshot.of(obj, poses.linear_part(obj))
         with live.paused():
             motions = playback.sample(scene, obj, frames)
+        skin = standing.of(obj, poses.preview(obj))
         linear, options = self._mesh.linear, {"max_iterations": self.max_iterations, "warm_start": False}
 
         def steps():
@@ -54,7 +55,8 @@ class LISSOM_OT_pose_bake(BakeProperties, JobOperator, bpy.types.Operator):
                 for frame, motion in zip(frames, motions, strict=True):
                     vertices, report = yield from bound.steps(motion, **options)
                     options.pop("warm_start", None)  # each frame but the first goes on from the last
-                    shapes.append(space.back(linear, vertices).astype(np.float32))
+                    shape = space.back(linear, vertices)
+                    shapes.append((shape if skin is None else skin.key(shape)).astype(np.float32))
                     if not report["converged"]:
                         restless.append(frame)
             finally:

@@ -3,8 +3,8 @@
 import bpy
 from bpy.props import EnumProperty, StringProperty
 
-from .. import rebind, session
-from ..bridge import applied, checks, empties, meshes, poses, shape_keys
+from .. import live, rebind, session
+from ..bridge import applied, checks, empties, meshes, poses, shape_keys, standing
 from ..core import names, space
 from ..core.pose_options import Asked, by_name, options_of
 from ..core.refused import Refused, first
@@ -13,6 +13,7 @@ from ..properties.options import iterations_property, option_property
 from ..properties.pose import (
     METHOD_ITEMS,
     reach_property,
+    stands_property,
     stays_property,
     symmetry_property,
     use_weights_property,
@@ -53,6 +54,7 @@ class _Options:
         column.prop(self, "stays")
         column.prop(self, "reach")
         column.prop(self, "symmetry")
+        column.prop(self, "stands")
 
 
 class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
@@ -74,6 +76,7 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
     stays: stays_property(options={"SKIP_SAVE"})
     reach: reach_property(options={"SKIP_SAVE"})
     symmetry: symmetry_property(options={"SKIP_SAVE"})
+    stands: stands_property(options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):
@@ -96,8 +99,10 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
                 empties.matrix_in(obj, handle.empty).ravel(),
                 *empties.channels(handle.empty),
             )
+        with live.paused():
+            self._skin = standing.read(obj) if self.stands else None
         self._mesh = meshes.Snapshot.of(obj, linear)
-        return poses.bind_work(obj, linear, self.asked())
+        return poses.bind_work(obj, linear, self.asked(), self._skin)
 
     def finish(self, context, result):
         obj = self._mesh.find()
@@ -107,7 +112,10 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
             raise Refused(
                 f"The handles of '{obj.name}' were changed meanwhile: nothing was written, run again"
             )
+        settings.stands, settings.stood = self.stands, self._skin is not None
         left_out = poses.left_out(obj)
+        if self._skin is not None:
+            left_out += self._flat(obj)
         warnings = [*result.warnings, checks.shared_data(obj), *left_out]
         settings.made_basis = obj.data.shape_keys is None
         basis = shape_keys.ensure_basis(obj)
@@ -122,10 +130,22 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
         applied.note(obj)
         settings.bound = True
         session.poses[obj.session_uid] = result
+        session.skins.pop(obj.session_uid, None)
+        if self._skin is not None:
+            session.skins[obj.session_uid] = self._skin
+            session.stances[obj.session_uid] = standing.stance(obj)
         told = ("INFO", left_out[0]) if left_out else ("CHECKMARK", "Bound: move an Empty")
         session.status[obj.name] = told
         for warning in filter(None, warnings):
             self.report({"WARNING"}, warning)
+
+    def _flat(self, obj):
+        """Warns of vertices that the modifiers have collapsed, and selects them."""
+        flat = self._skin.flat()
+        if not len(flat):
+            return []
+        meshes.select_vertices(obj, set(flat.tolist()))
+        return [f"No key can move {len(flat)} vertices, which the modifiers collapse: they are selected"]
 
 
 class LISSOM_OT_pose_update(JobOperator, bpy.types.Operator):
@@ -211,7 +231,8 @@ def unbind(obj):
     settings.property_unset("preview")
     poses.mute_baked(obj, False)
     rebind.drop(obj)
-    session.poses.pop(obj.session_uid, None)
+    for known in (session.poses, session.skins, session.stances):
+        known.pop(obj.session_uid, None)
     session.status.pop(obj.name, None)
 
 

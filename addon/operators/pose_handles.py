@@ -5,7 +5,7 @@ import numpy as np
 from bpy.props import StringProperty
 from mathutils import Vector
 
-from ..bridge import checks, empties, groups, meshes
+from ..bridge import checks, empties, groups, standing
 from ..core import space
 from ..core.refused import Refused
 from .job import allowed, answering, shown_object, writable_mesh
@@ -65,7 +65,7 @@ class LISSOM_OT_pose_handle_add(bpy.types.Operator):
             raise Refused(f"'{obj.name}' has no vertex group named '{name}'")
         if not len(members[name]):
             raise Refused(f"Vertex group '{name}' holds no vertices: assign some, then add it")
-        rest = meshes.rest_positions(obj.data)
+        rest = standing.shown(obj)
         extent = np.ptp(space.into(np.array(obj.matrix_world)[:3, :3], rest), axis=0)
         empty = empties.add(
             obj,

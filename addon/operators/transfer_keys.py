@@ -3,23 +3,20 @@
 import bpy
 from bpy.props import EnumProperty, StringProperty
 
-from ..bridge import animation, checks, groups, shape_keys
 from ..bridge.assembly import objects_of
-from ..core import names
-from ..core.quality import pack_faces
-from ..core.refused import Refused, first
-from ..core.transfer import Keys, carried_weights, transfer_work
+from ..jobs.fit import key_names
+from ..jobs.transfer_keys import KeysAsked, TransferKeys, keys_of
 from ..properties.transfer import (
     check_property,
     drivers_property,
     drop_empty_property,
     exists_property,
 )
-from .job import JobOperator, answering
-from .transfer_fit import Request, TransferProperties, key_names, ready, where
+from .job import answering
+from .transfer_fit import TransferOperator, TransferProperties, ready
 
 
-class LISSOM_OT_transfer_keys(TransferProperties, JobOperator, bpy.types.Operator):
+class LISSOM_OT_transfer_keys(TransferProperties, TransferOperator, bpy.types.Operator):
     """Carry shape keys of the source over to the target, with their names, values and ranges"""
 
     bl_idname = "lissom.transfer_keys"
@@ -34,207 +31,14 @@ class LISSOM_OT_transfer_keys(TransferProperties, JobOperator, bpy.types.Operato
     drop_empty: drop_empty_property()
     check: check_property()
 
+    job_class = TransferKeys
+
     @classmethod
     def poll(cls, context):
         return ready(cls, context, keys=True)
 
-    def begin(self, context):
-        self._request = request = Request(self, context)
-        sources, targets = request.source.objects(), request.target.objects()
-        for target in targets:
-            checks.require_writable(target)
-        wanted = [line for line in self.keys.splitlines() if line] or key_names(sources)
-        if not wanted:
-            raise Refused(f"'{request.source.name}' has no shape keys to carry over")
-        twice = [name for name in wanted if wanted.count(name) > 1]
-        if twice:
-            raise Refused(f"Shape key '{twice[0]}' is asked for twice")
-        found = {name: _keys_of(sources, name) for name in wanted}
-        self._plan = destinations(targets, wanted, self.exists)
-        kept = [name for name in wanted if any(name in plan for plan in self._plan)]
-        if not kept:
-            raise Refused(
-                f"'{request.target.name}' has all of these keys, and If Exists is Skip: nothing to do"
-            )
-        self._settings = {}
-        for name in kept:
-            key = next(filter(None, found[name]))
-            relative = key.relative_key
-            counts_from = relative.name if relative != key.id_data.reference_key else ""
-            self._settings[name] = counts_from, shape_keys.Settings.of(key)
-        self._shapes = Keys(
-            request.source.rest(),
-            [
-                tuple(request.source.into(shapes) for shapes in _shapes(request.source.parts, found[name]))
-                for name in kept
-            ],
-        )
-        return transfer_work(
-            *request.geometry(),
-            request.known_fit() or (request.markers, request.options),
-            self._shapes.shapes,
-            self.transfer_options(),
-            self.check,
-        )
-
-    def finish(self, context, result):
-        request = self._request
-        sources, targets = request.source.find(), request.target.find()
-        for target in targets:
-            checks.require_writable(target)
-        request.remember(context, result.fit)
-        deltas = [{} for _ in targets]
-        found = self._shapes.deltas(request.target.rest(), result.shapes)
-        for name, delta in zip(self._settings, found, strict=True):
-            for own, part in zip(deltas, request.target.back(delta), strict=True):
-                own[name] = part
-        self._bring_groups(result.fit, targets)
-        written = []
-        for place, (obj, own) in enumerate(zip(targets, deltas, strict=True)):
-            self._plan[place] = without_empty(obj, own, self._plan[place], place > 0, self.drop_empty)
-            self._write(obj, request.target.parts[place].vertices, own, self._plan[place])
-            if self.drivers != "NONE":
-                self._copy_drivers(sources, targets[0], obj, self._plan[place])
-            written += self._plan[place].values()
-        self._remember_quality(context, result.quality or {})
-        self.warn(request, result.fit, result.warnings, targets)
-        renamed = [new for plan in self._plan for old, new in plan.items() if new != old]
-        reached = [obj for obj, plan in zip(targets, self._plan, strict=True) if plan]
-        note = f", renamed: {first(dict.fromkeys(renamed))}" if renamed else ""
-        self.report({"INFO"}, f"{len(written)} shape keys on {where(reached or targets)}{note}")
-
-    def _bring_groups(self, fit, targets):
-        """Vertex groups that keys are limited to, where the target has none of that name."""
-        source, target = self._request.source, self._request.target
-        for name in {settings.vertex_group for _, settings in self._settings.values()} - {""}:
-            missing = [name not in obj.vertex_groups for obj in targets]
-            weights = source.weights(name) if any(missing) else None
-            if weights is None:
-                continue
-            carried = target.split(carried_weights(fit, source.geometry()[1], weights))
-            for obj, own, lacks in zip(targets, carried, missing, strict=True):
-                if lacks:
-                    groups.make(obj, name, own)
-
-    def _remember_quality(self, context, quality):
-        rows = context.scene.lissom_transfer.quality
-        rows.clear()
-        for place, name in enumerate(self._settings if quality else ()):
-            new = next((plan[name] for plan in self._plan if name in plan), None)
-            if new is not None:
-                row = rows.add()
-                row.name = new
-                found = self._shapes.of_key(place, quality)
-                if found:
-                    found["reasons"] = "\n".join(found["reasons"])
-                    parts = self._request.target.polygons(found["faces"])
-                    objects = [part.name for part in self._request.target.parts]
-                    found["faces"] = pack_faces(dict(zip(objects, parts, strict=True)))
-                for field, value in found.items():
-                    setattr(row, field, value)
-
-    def _copy_drivers(self, sources, main, target, plan):
-        left = []
-        for source in sources:
-            old, new = source.data.shape_keys, target.data.shape_keys
-            instead = [(sources[0], main), (sources[0].data, main.data), (sources[0].data.shape_keys, new)]
-            instead += [(source, target), (source.data, target.data), (old, new)]
-            known = {name: made for name, made in plan.items() if old and name in old.key_blocks}
-            paths = {  # of values on the source -> on the target
-                old.key_blocks[name].path_from_id("value"): new.key_blocks[made].path_from_id("value")
-                for name, made in known.items()
-            }
-            for path, made in paths.items():
-                rewired = instead if self.drivers == "REWIRE" else []
-                left += animation.copy_driver(old, path, new, made, rewired, paths)
-        if left:
-            self.report(
-                {"WARNING"},
-                f"Drivers of '{target.name}' go on reading the source, for want of the like: "
-                f"{first(dict.fromkeys(left))}",
-            )
-
-    def _write(self, target, rest, deltas, plan):
-        """Writes relative keys before the keys that count from them."""
-        relative = {name: self._settings[name][0] for name in plan}
-        if not plan:
-            return
-        basis = shape_keys.ensure_basis(target)
-        for name in _relative_first(list(plan), relative):
-            relative_name, settings = self._settings[name]
-            blocks, counts_from = target.data.shape_keys.key_blocks, basis
-            if relative_name:
-                counts_from = blocks.get(plan.get(relative_name, relative_name), basis)
-            shape = shape_keys.shape(counts_from) if counts_from != basis else rest
-            shape_keys.write(target, plan[name], shape + deltas[name], settings, counts_from)
-
-
-def destinations(targets, wanted, exists):
-    """For each target, names on the source -> names there.
-
-    Locked keys are refused before anything is computed.
-    """
-    # Where there are no keys yet, the first one will be the Basis.
-    blocks = [obj.data.shape_keys.key_blocks if obj.data.shape_keys else {"Basis": None} for obj in targets]
-    taken = set().union(*(keys.keys() for keys in blocks))
-    plans = [{} for _ in targets]
-    for name in wanted:
-        renamed = names.resolve(name, taken, "RENAME") if exists == "RENAME" else None
-        for keys, plan in zip(blocks, plans, strict=True):
-            given = renamed or names.resolve(name, {*keys.keys(), *plan.values()}, exists)
-            if given is not None:
-                plan[name] = given
-                taken.add(given)
-    for obj, keys, plan in zip(targets, blocks, plans, strict=True):
-        basis = obj.data.shape_keys.reference_key.name if obj.data.shape_keys else "Basis"
-        if basis in plan.values():
-            raise Refused(
-                f"'{basis}' is the Basis of '{obj.name}': choose another name for the key, or Rename"
-            )
-        overwritten = [keys[name] for name in plan.values() if name in keys]
-        for key in overwritten:
-            shape_keys.refuse_preview(key)
-        checks.require_unlocked(overwritten)
-    return plans
-
-
-def without_empty(obj, deltas, plan, further, drop_empty=False):
-    """The plan without new keys that move nothing: by option, or of further objects."""
-    there = obj.data.shape_keys.key_blocks if obj.data.shape_keys else {}
-    return {
-        name: new
-        for name, new in plan.items()
-        if new in there or deltas[name].any() or not (drop_empty or further)
-    }
-
-
-def _keys_of(objects, name):
-    """The shape key of that name on each object, None where it has none; Refused where none has."""
-    blocks = [obj.data.shape_keys.key_blocks if obj.data.shape_keys else {} for obj in objects]
-    if not any(name in keys for keys in blocks):
-        shape_keys.find(objects[0], name)
-    found = [keys.get(name) for keys in blocks]
-    for key in filter(None, found):
-        shape_keys.refuse_preview(key)
-    return found
-
-
-def _shapes(parts, keys):
-    """The absolute shapes of a key and of its relative key, part by part; the rest where there is no key."""
-    rows = list(zip(parts, keys, strict=True))
-    yield [shape_keys.shape(key) if key else part.vertices for part, key in rows]
-    yield [shape_keys.shape(key.relative_key) if key else part.vertices for part, key in rows]
-
-
-def _relative_first(names_of_keys, relative):
-    order = []
-    for name in names_of_keys:
-        chain = []
-        while name in names_of_keys and name not in order and name not in chain:
-            chain.append(name)
-            name = relative[name]
-        order += reversed(chain)
-    return order
+    def asked(self, context):
+        return KeysAsked.of(self, keys=tuple(filter(None, self.keys.splitlines())))
 
 
 class LISSOM_OT_transfer_choose(bpy.types.Operator):
@@ -260,7 +64,7 @@ class LISSOM_OT_transfer_choose(bpy.types.Operator):
         settings = context.scene.lissom_transfer
         sources = objects_of(context, "source", "")
         if self.action == "TOGGLE":
-            _keys_of(sources, self.key)
+            keys_of(sources, self.key)
             index = settings.chosen.find(self.key)
             if index >= 0:
                 settings.chosen.remove(index)

@@ -10,7 +10,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 from ..bridge import markers as bridge_markers
 from ..bridge import meshes
 from ..bridge.screen import redraw_views
-from ..core import marker_file, markers, marks
+from ..core import marker_file, marker_places, markers
 from ..core.curves import ordered
 from ..core.refused import Refused, first
 from .job import allowed, answering
@@ -334,10 +334,10 @@ class LISSOM_OT_marker_mirror(bpy.types.Operator):
         markers.check(known, *counts)
         surfaces = [meshes.surface(obj) for obj in ends]
         images = [
-            marks.mirrored(*surface, [marker.point(side) for marker in known], "XYZ".index(self.axis))
+            marker_places.mirrored(*surface, [marker.point(side) for marker in known], "XYZ".index(self.axis))
             for side, surface in zip(bridge_markers.SIDES, surfaces, strict=True)
         ]
-        added, lost = marks.completed(known, images, [vertices for vertices, _ in surfaces])
+        added, lost = marker_places.completed(known, images, [vertices for vertices, _ in surfaces])
         if not added and lost:
             raise Refused(f"No counterpart is on the other side of these: {first(map(repr, lost))}")
         bridge_markers.append(context.scene, added, *ends)

@@ -9,7 +9,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from ..bridge import checks
 from ..bridge.meshes import select_vertices
-from ..core.quality import as_dict, badness, unpack_faces
+from ..core.quality import as_dicts, unpack_faces
 from ..core.refused import Refused
 from .job import allowed, answering
 
@@ -79,7 +79,7 @@ class LISSOM_OT_quality_save(ExportHelper, bpy.types.Operator):
     @answering
     def execute(self, context):
         path = bpy.path.abspath(self.filepath)
-        rows = quality_rows(context.scene)
+        rows = as_dicts(context.scene.lissom_transfer.quality)
         try:
             with open(path, "w", encoding="utf-8") as file:
                 json.dump({"keys": rows}, file, indent=1, ensure_ascii=False)
@@ -121,12 +121,6 @@ class LISSOM_OT_quality_select(bpy.types.Operator):
                 obj.active_shape_key_index = keys.key_blocks.find(self.key)
         count = sum(map(len, faces.values()))
         self.report({"INFO"}, f"{count} faces to look at: {', '.join(row.reasons.splitlines())}")
-
-
-def quality_rows(scene):
-    """The table of quality as dicts, the worst first."""
-    rows = sorted(scene.lissom_transfer.quality, key=badness, reverse=True)
-    return [as_dict(row) for row in rows]
 
 
 classes = (LISSOM_OT_transfer_parts, LISSOM_OT_quality_save, LISSOM_OT_quality_select)

@@ -7,31 +7,12 @@ from bpy.props import BoolProperty
 from .. import session
 from ..bridge import checks, colours
 from ..bridge import markers as bridge_markers
-from ..bridge.assembly import Assembly
 from ..core import markers
 from ..core.colours import LIMIT, of_fit
 from ..core.refused import Refused
 from ..core.suggest import suggest
+from ..jobs.fit import remembered
 from .job import allowed, answering
-
-
-def _remembered():
-    """The last fit, and both sides of it as they are now; Refused where there is none for them."""
-    memory = session.fit
-    if memory is None:
-        raise Refused("Press Fit first")
-    found = [
-        [bpy.data.objects.get(part.key) for part in side.parts] for side in (memory.source, memory.target)
-    ]
-    if None in found[0] + found[1]:
-        raise Refused("An object of the last fit is gone: press Fit again")
-    source = Assembly(found[0])
-    overlap = memory.target.origin is memory.source.origin
-    target = Assembly(found[1], source.origin if overlap else None)
-    for then, now in ((memory.source, source), (memory.target, target)):
-        if not all(map(np.array_equal, then.geometry(), now.geometry())):
-            raise Refused("A mesh was changed since the last fit: press Fit again")
-    return memory, source, target
 
 
 class LISSOM_OT_fit_show(bpy.types.Operator):
@@ -54,7 +35,7 @@ class LISSOM_OT_fit_show(bpy.types.Operator):
                 colours.hide(obj)
             colours.views_back()
             return
-        memory, source, target = _remembered()
+        memory, source, target = remembered()
         objects = source.objects() + target.objects()
         for obj in objects:
             reason = checks.refusal(obj, keys=False)
@@ -86,7 +67,7 @@ class LISSOM_OT_marker_suggest(bpy.types.Operator):
 
     @answering
     def execute(self, context):
-        memory, source, target = _remembered()
+        memory, source, target = remembered()
         known = [marker for marker in bridge_markers.of_scene(context.scene) if not marker.guessed]
         if not known:  # a first marker alone would say less than the shapes do
             raise Refused("There are no markers to add to: mark three pairs yourself first")

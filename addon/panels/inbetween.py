@@ -2,6 +2,7 @@
 
 import bpy
 
+from .. import session
 from ..bridge import arcs, checks, sliders
 from ..drawing import ghost
 from ..properties.inbetween import SETTINGS, PathSettings
@@ -13,6 +14,44 @@ def set_bake(button, obj):
     button.object = obj.name
     for name in ("start", "end", "slider", *SETTINGS):
         setattr(button, name, getattr(obj.lissom_inbetween, name))
+
+
+def set_bake_all(button, obj):
+    """Gives the button of Bake All what the panel of this object says."""
+    settings = obj.lissom_inbetween
+    button.object, button.start = obj.name, settings.start
+    button.keys = "\n".join(row.name for row in settings.chosen)
+    for name in SETTINGS:
+        setattr(button, name, getattr(settings, name))
+
+
+class LISSOM_UL_arc_keys(bpy.types.UIList):
+    """The shape keys that arcs can lead to, with a tick each."""
+
+    bl_idname = "LISSOM_UL_arc_keys"
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property):
+        obj = context.lissom_object
+        ticked = item.name in obj.lissom_inbetween.chosen
+        row = layout.row(align=True)
+        toggle = row.operator(
+            "lissom.inbetween_choose",
+            text="",
+            icon="CHECKBOX_HLT" if ticked else "CHECKBOX_DEHLT",
+            emboss=False,
+        )
+        toggle.object, toggle.action, toggle.key = obj.name, "TOGGLE", item.name
+        row.label(text=item.name, translate=False)
+
+    def filter_items(self, context, data, property_name):
+        keys = getattr(data, property_name)
+        helper = bpy.types.UI_UL_list
+        flags = [self.bitflag_filter_item] * len(keys)
+        if self.filter_name:
+            flags = helper.filter_items_by_name(self.filter_name, self.bitflag_filter_item, keys)
+        settings = context.lissom_object.lissom_inbetween
+        offered = arcs.offered(context.lissom_object, settings.start)
+        return [flag if key.name in offered else 0 for flag, key in zip(flags, keys, strict=True)], []
 
 
 class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
@@ -41,11 +80,17 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
         column.prop(
             settings, "start", text="From" if settings.start else "From (Basis)", icon="SHAPEKEY_DATA"
         )
-        column.prop(settings, "end", icon="SHAPEKEY_DATA")
+        if settings.several:
+            self._draw_choice(layout, obj)
+        else:
+            column.prop(settings, "end", icon="SHAPEKEY_DATA")
+        column = split_column(layout)
+        column.prop(settings, "several")
         column.prop(settings, "sampling")
         column.prop(settings, "tolerance" if settings.sampling == "TOLERANCE" else "count")
         column.prop(settings, "easing")
-        column.prop(settings, "slider", placeholder=f"{settings.end} arc" if settings.end else "")
+        if not settings.several:
+            column.prop(settings, "slider", placeholder=f"{settings.end} arc" if settings.end else "")
         body = draw_fold(layout, "arc_options", "Options")
         if body:
             column = split_column(body)
@@ -57,19 +102,46 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
             draw_lines(layout, "INFO", shadow.message)
         row = layout.row()
         row.scale_y = 1.4
-        set_bake(row.operator("lissom.inbetween_bake", icon="IPO_EASE_IN_OUT"), obj)
+        if settings.several:
+            set_bake_all(row.operator("lissom.inbetween_bake_all", icon="IPO_EASE_IN_OUT"), obj)
+        else:
+            set_bake(row.operator("lissom.inbetween_bake", icon="IPO_EASE_IN_OUT"), obj)
         reason = arcs.refusal(obj)
         if reason:
             draw_lines(layout, "INFO", reason)
         self._draw_sliders(layout, obj, settings)
 
+    def _draw_choice(self, layout, obj):
+        column = layout.column(align=True)
+        keys = obj.data.shape_keys
+        column.template_list(
+            "LISSOM_UL_arc_keys", "", keys, "key_blocks", obj, "active_shape_key_index", rows=5
+        )
+        row = column.row(align=True)
+        for action in ("ALL", "NONE"):
+            choose = row.operator("lissom.inbetween_choose", text=action.capitalize())
+            choose.object, choose.action = obj.name, action
+
     def _draw_sliders(self, layout, obj, settings):
         baked = [arc for arc in settings.arcs if arc.name in obj]
         if not baked:
             return
+        stale = session.stale.get(obj.session_uid, [])
         layout.label(text="Sliders:")
+        if stale:
+            draw_lines(layout, "ERROR", f"{len(stale)} are out of date: an end of theirs was changed since")
+            layout.operator("lissom.inbetween_update_all", icon="FILE_REFRESH").object = obj.name
+        ready = settings.exported
+        if ready:
+            draw_lines(layout, "INFO", "Keyframes play the arcs, for export: sliders rest meanwhile")
+        export = layout.operator(
+            "lissom.inbetween_export", text="Back to Sliders" if ready else "For Export", icon="EXPORT"
+        )
+        export.object, export.restore = obj.name, ready
         for arc in baked:
             row = layout.row(align=True)
+            if arc.name in stale:
+                row.label(text="", icon="ERROR")
             row.prop(obj, sliders.data_path(arc.name), text=arc.name, slider=True)
             second = row.operator("lissom.inbetween_second_image", text="", icon="IMAGE_DATA")
             second.object, second.slider = obj.name, arc.name
@@ -78,4 +150,4 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
                 button.object, button.slider = obj.name, arc.name
 
 
-classes = (LISSOM_PT_inbetween,)
+classes = (LISSOM_UL_arc_keys, LISSOM_PT_inbetween)

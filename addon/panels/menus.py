@@ -118,6 +118,8 @@ def _draw_keys(menu, context):
     menu.layout.operator_context = "INVOKE_DEFAULT"
     bake = menu.layout.operator("lissom.inbetween_bake", text="Bake Arc to This Key", icon="IPO_EASE_IN_OUT")
     bake.object, bake.end = obj.name, obj.active_shape_key.name
+    drive = menu.layout.operator("lissom.pose_drive", icon="DRIVER")
+    drive.object, drive.key = obj.name, obj.active_shape_key.name
     settings = context.scene.lissom_transfer
     if settings.source == obj and settings.target is not None:
         transfer = menu.layout.operator(

@@ -61,7 +61,7 @@ class LISSOM_MT_handle_add(bpy.types.Menu):
 def bind_settings(obj):
     """What the panel of an object says, as properties of ``lissom.pose_bind``."""
     asked = poses.asked(obj.lissom_pose)
-    given = {"object": obj.name, **asked._asdict(), **asked.options}
+    given = {"object": obj.name, **asked._asdict(), **asked.options, "stands": obj.lissom_pose.stands}
     del given["options"]
     return given
 
@@ -143,6 +143,10 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         column.prop(settings, "method")
         draw_lines(column, "NONE", METHOD_LINES[settings.method])
         column.prop(settings, "symmetry")
+        if not settings.bound:
+            column.prop(settings, "stands")
+        elif settings.stood:
+            draw_lines(column, "ARMATURE_DATA", "Posed as it stands: Apply goes back through the modifiers")
         body = draw_fold(layout, "pose_options", "Options")
         if body:
             options = settings.options
@@ -172,6 +176,11 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         row.scale_y = 1.4
         apply = row.operator("lissom.pose_apply", icon="CHECKMARK")
         apply.object, apply.name = obj.name, settings.key_name
+        if settings.stood and obj.active_shape_key_index:
+            key = obj.active_shape_key
+            if key.name != settings.preview:
+                drive = box.operator("lissom.pose_drive", text=f"Drive '{key.name}' by Bone", icon="DRIVER")
+                drive.object, drive.key = obj.name, key.name
         self._draw_bake(layout, obj, settings)
         layout.operator("lissom.pose_unbind", icon="UNLINKED").object = obj.name
 

@@ -128,12 +128,19 @@ class LissomArcKey(bpy.types.PropertyGroup):
     time: FloatProperty(name="Time", description="Where on the arc it lies: 0 to 1, or beyond")
 
 
+class LissomArcChoice(bpy.types.PropertyGroup):
+    """The name of a shape key that is ticked."""
+
+    name: StringProperty(name="Shape Key")
+
+
 class LissomArc(PathSettings, ArcSettings, bpy.types.PropertyGroup):
     """A baked arc; its name is that of the slider."""
 
     name: StringProperty(name="Slider")
     start: StringProperty(name="From")
     end: StringProperty(name="To")
+    digest: StringProperty(description="Hash of the shapes that it was baked from")
     warnings: StringProperty(name="Warnings", description="What Bake had to say about the arc")
     keys: CollectionProperty(type=LissomArcKey)
 
@@ -186,9 +193,16 @@ class LissomInbetween(_GhostedPathSettings, ArcSettings, bpy.types.PropertyGroup
         update=_changed,
     )
     arcs: CollectionProperty(type=LissomArc)
+    exported: BoolProperty(options={"HIDDEN"}, description="Keyframes stand in for the drivers of the arcs")
+    several: BoolProperty(
+        name="Several Keys",
+        description="Bake arcs to many shape keys in one go, each under a slider of its own",
+        options=set(),
+    )
+    chosen: CollectionProperty(type=LissomArcChoice)
 
 
-classes = (LissomArcKey, LissomArc, LissomInbetween)
+classes = (LissomArcKey, LissomArcChoice, LissomArc, LissomInbetween)
 
 
 def register():

@@ -105,6 +105,17 @@ def symmetry_property(**also):
     )
 
 
+def stands_property(**also):
+    """Whether Bind takes the mesh as it is seen."""
+    return BoolProperty(
+        name="As It Stands",
+        description="Pose the mesh as armature, other keys and modifiers show it now, and make the key that "
+        "shows this through them. Off: pose its rest shape",
+        default=True,
+        **also,
+    )
+
+
 def _changed(settings, _):
     obj = settings.id_data
     if obj.lissom_pose.bound:
@@ -207,7 +218,9 @@ class LissomPose(bpy.types.PropertyGroup):
     cache_hidden: BoolVectorProperty(
         size=2, options={"HIDDEN"}, description="The artist had hidden it before Bind: viewport, render"
     )
+    stands: stands_property(update=_changed)
     # Written by Bind.
+    stood: BoolProperty(options={"HIDDEN"}, description="It was bound as armature and modifiers have it")
     bound: BoolProperty(options={"HIDDEN"})
     preview: StringProperty(options={"HIDDEN"}, description="Name of the shape key that shows the pose")
     made_basis: BoolProperty(options={"HIDDEN"}, description="Bind gave the mesh its first shape key")

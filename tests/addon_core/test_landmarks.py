@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lissom_addon_core import landmarks, marks
+from lissom_addon_core import landmarks, marker_places
 
 FACE = Path(__file__).parents[2] / "data" / "ict" / "face.npz"
 
@@ -15,7 +15,7 @@ def test_names_are_unique_and_every_side_has_the_other(kind):
     found = {one.name: one.spot for one in landmarks.SETS[kind]}
     assert len(found) == len(landmarks.SETS[kind])
     for name, (x, y) in found.items():
-        other = marks.flipped(name)
+        other = marker_places.flipped(name)
         if re.match("left|right", name):
             assert found[other] == (-x, y)
         else:

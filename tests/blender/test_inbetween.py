@@ -11,6 +11,7 @@ from bl_ext.user_default.lissom.bridge import arcs, meshes, sliders
 from bl_ext.user_default.lissom.core import hat
 from bl_ext.user_default.lissom.core.inbetween import Asked
 from bl_ext.user_default.lissom.core.refused import Refused
+from bl_ext.user_default.lissom.core.work import Work
 from bl_ext.user_default.lissom.properties import inbetween as properties
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -621,19 +622,20 @@ class Running:
 
     def __init__(self, obj, **settings):
         self.baking = arcs.Baking(obj, Asked(end="full", **settings))
+        self.work = Work(self.baking.steps())
 
     def finish(self):
-        return self.baking.write(self.baking.work.wait())
+        return self.baking.write(self.work.wait())
 
 
 def test_row_40_cancelled_nothing_is_changed():
     obj = keyed_tube()
     before = scene.snapshot()
     running = Running(obj, sampling="TOLERANCE")
-    running.baking.work.cancel()
+    running.work.cancel()
     started = time.monotonic()
     with pytest.raises(lissom.Cancelled):
-        running.baking.work.poll()
+        running.work.poll()
     assert time.monotonic() - started < 0.2
     assert scene.snapshot() == before
 

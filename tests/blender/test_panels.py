@@ -135,6 +135,7 @@ def test_pose_before_and_after_bind(panels):
             "stays": "FAR",
             "reach": 0.0,
             "symmetry": "OFF",
+            "stands": True,
             "cells": "spokes_and_rims",
             "rotation_smoothing": 0.001,
             "smoothness": 0.0,
@@ -164,6 +165,7 @@ def test_the_options_are_those_of_the_chosen_method_and_no_others(panels, method
     assert not any(name in by_name() for name in draw(panels["pose"], closed=True)["settings"])
     (given,) = drawn["operators"]["lissom.pose_bind"]
     own = {"use_weights": False, "weld": False, "stays": "FAR", "reach": 0.0, "symmetry": "OFF"}
+    own["stands"] = True
     assert given == {"object": "Tube", "method": method} | own | {
         name: option.default for (_, name), option in wanted.items()
     } | ({"base": base} if method == "multiresolution" else {})
@@ -193,7 +195,7 @@ def test_the_redo_panel_shows_the_options_of_the_method():
     )
     bpy.types.LISSOM_OT_pose_bind.draw(operator, bpy.context)
     shown = ["method", "k_s", "k_b", "border", "constraints", "preserve_volume", "unheld"]
-    assert drawn["settings"] == [*shown, "use_weights", "weld", "stays", "reach", "symmetry"]
+    assert drawn["settings"] == [*shown, "use_weights", "weld", "stays", "reach", "symmetry", "stands"]
 
 
 def test_one_handle_alone_is_asked_what_stays(panels):
@@ -415,6 +417,21 @@ def test_inbetween_passes_its_settings_on_and_shows_sliders(panels):
     for action in ("rebake", "rename", "remove"):
         given = drawn["operators"][f"lissom.inbetween_{action}"]
         assert given == [{"object": "Tube", "slider": "K arc"}]
+
+
+def test_several_arcs_are_ticked_and_baked_by_one_button(panels):
+    obj = scene.tube()
+    for name in ("half", "full"):
+        scene.add_key(obj, name, scene.points(obj.data.vertices))
+    obj.lissom_inbetween.several = True
+    bpy.ops.lissom.inbetween_choose(object="Tube", action="TOGGLE", key="full")
+    drawn = draw(panels["inbetween"])
+    assert "LISSOM_UL_arc_keys" in drawn["classes"] and "lissom.inbetween_bake" not in drawn["operators"]
+    assert drawn["operators"]["lissom.inbetween_bake_all"][0]["keys"] == "full"
+    bpy.ops.lissom.inbetween_bake_all(object="Tube", keys="full", count=1)
+    session.stale[obj.session_uid] = ["full arc"]
+    drawn = draw(panels["inbetween"])
+    assert "out of date" in text(drawn) and "lissom.inbetween_update_all" in drawn["operators"]
 
 
 def test_work_is_shown_on_top_in_place_of_the_pages(monkeypatch):

@@ -199,7 +199,9 @@ def test_row_42_handles_or_faces_changed_while_bind_is_under_way():
         (lambda: reverse_a_face(obj), "was changed meanwhile"),
         (lambda: bpy.data.objects.remove(obj), "'Tube' is gone"),
     ):
-        operator = types.SimpleNamespace(object="Tube", asked=lambda: poses.asked(obj.lissom_pose))
+        operator = types.SimpleNamespace(
+            object="Tube", stands=True, asked=lambda: poses.asked(obj.lissom_pose)
+        )
         kind = bpy.types.LISSOM_OT_pose_bind
         work = kind.begin(operator, bpy.context)
         change()
@@ -726,11 +728,14 @@ def test_what_is_seen_and_not_posed_is_said_at_bind(seen, capfd):
     basis = scene.points(obj.data.vertices)
     moved_now = np.abs(scene.shown(obj) - basis).max() > 1e-6
     bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group="top")
-    assert bpy.ops.lissom.pose_bind(object=obj.name) == {"FINISHED"}
+    assert bpy.ops.lissom.pose_bind(object=obj.name, stands=False) == {"FINISHED"}
     said = capfd.readouterr().out
     assert ("The pose starts from the Basis" in said) == moved_now
     assert ("The pose starts from the Basis" in session.status[obj.name][1]) == moved_now
     assert moved_now == (seen in ("key", "pose", "constraint", "smooth"))
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    bpy.ops.lissom.pose_bind(object=obj.name)
+    assert "starts from the Basis" not in capfd.readouterr().out and obj.lissom_pose.stood == moved_now
 
 
 @pytest.mark.parametrize("scale", [(1, 1, 0), (0, 0, 0)])

@@ -1,4 +1,4 @@
-"""Bad input by its numbers (docs/bad_input.md), through Bind, a moved Empty and Unbind, by every method."""
+"""Bad input by its numbers (docs/bad_input.md), through Bind, the moved Empty and Unbind, for all methods."""
 
 import bpy
 import lissom

@@ -9,8 +9,7 @@ import pytest
 import scene
 from bl_ext.user_default.lissom import commands
 from bl_ext.user_default.lissom.bridge.meshes import selected_vertices
-from bl_ext.user_default.lissom.core.quality import pack_faces
-from bl_ext.user_default.lissom.operators import transfer_parts
+from bl_ext.user_default.lissom.core.quality import as_dicts, pack_faces
 from mathutils import Matrix
 from numpy.testing import assert_allclose, assert_array_equal
 from test_transfer import deltas, monkeys
@@ -232,7 +231,7 @@ def test_a_key_that_turns_faces_over_is_bad_and_says_which(both):
         one, other = settings.markers[k], settings.markers[count - 1 - k]
         one.target, other.target = other.target, one.target
     bpy.ops.lissom.transfer_keys(source=names(sources), target=names(targets), marker_tolerance=0)
-    rows = transfer_parts.quality_rows(bpy.context.scene)
+    rows = as_dicts(bpy.context.scene.lissom_transfer.quality)
     assert rows[0]["verdict"] == "bad" and rows[0]["faces"]
     counts = {obj.name: len(obj.data.polygons) for obj in targets}
     for row in rows:

@@ -9,7 +9,7 @@ import pytest
 import scene
 from bl_ext.user_default.lissom import commands, session
 from bl_ext.user_default.lissom.core.work import Work
-from bl_ext.user_default.lissom.operators import transfer_pose
+from bl_ext.user_default.lissom.jobs import transfer_pose
 from mathutils import Vector
 from numpy.testing import assert_allclose, assert_array_equal
 from test_transfer import monkeys, native

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from lissom_addon_core import marks
+from lissom_addon_core import marker_places
 from lissom_addon_core.markers import Marker
 from lissom_addon_core.surface import Point
 
@@ -39,19 +39,19 @@ def test_the_image_of_a_point_is_its_like_on_the_other_side(seed):
     vertices, triangles = sphere()
     n = len(vertices) // 2
     points = [point for point in inside(triangles, seed) if abs(point.position(vertices)[0]) > 0.05]
-    found = marks.mirrored(vertices, triangles, points, 0)
+    found = marker_places.mirrored(vertices, triangles, points, 0)
     for point, image in zip(points, found, strict=True):
         assert np.allclose(image.position(vertices), point.position(vertices) * [-1, 1, 1], atol=2e-4)
         assert {(corner + n) % (2 * n) for corner in point.corners} == set(image.corners)
     turned = vertices[:, [2, 0, 1]]
-    assert marks.mirrored(turned, triangles, points, 1) == found
+    assert marker_places.mirrored(turned, triangles, points, 1) == found
 
 
 def test_the_middle_is_its_own_image_and_half_a_mesh_has_none():
     vertices, triangles = half_sphere()
     middle = next(p for p in inside(triangles, 1, 999) if 1e-3 < p.position(vertices)[0] < 0.02)
     away = Point.at(int(np.argmax(vertices[:, 0])))
-    assert marks.mirrored(vertices, triangles, [middle, away], 0) == [middle, None]
+    assert marker_places.mirrored(vertices, triangles, [middle, away], 0) == [middle, None]
 
 
 def test_what_was_moved_off_the_surface_is_not_found_again():
@@ -60,10 +60,10 @@ def test_what_was_moved_off_the_surface_is_not_found_again():
     places = np.array([point.position(vertices) for point in points])
     places[3] *= 1.2
     places[5] *= 1.01
-    found = marks.found_again(vertices, triangles, places)
+    found = marker_places.found_again(vertices, triangles, places)
     assert [number for number, point in enumerate(found) if point is None] == [3]
     assert np.allclose(found[5].position(vertices), places[5] / 1.01, atol=2e-3)
-    assert marks.found_again(vertices, triangles[:0], places) == [None] * len(places)
+    assert marker_places.found_again(vertices, triangles[:0], places) == [None] * len(places)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -78,18 +78,18 @@ def test_pairs_are_completed_once_and_only_where_asked(seed):
 
     def images(pairs):
         return [
-            marks.mirrored(vertices, triangles, [marker.point(side) for marker in pairs], 0)
+            marker_places.mirrored(vertices, triangles, [marker.point(side) for marker in pairs], 0)
             for side in ("source", "target")
         ]
 
     rests = vertices, vertices
-    added, lost = marks.completed(pairs, images(pairs), rests)
+    added, lost = marker_places.completed(pairs, images(pairs), rests)
     assert [marker.name for marker in added] == [f"right {n}" for n in (0, 1, 3, 4, 5)] and not lost
     whole = [*pairs, *added]
-    assert marks.completed(whole, images(whole), rests) == ([], [])
+    assert marker_places.completed(whole, images(whole), rests) == ([], [])
     nothing = images(pairs)
     nothing[1][4] = None
-    assert marks.completed(pairs, nothing, rests)[1] == ["left 4"]
+    assert marker_places.completed(pairs, nothing, rests)[1] == ["left 4"]
 
 
 @pytest.mark.parametrize(
@@ -105,11 +105,11 @@ def test_pairs_are_completed_once_and_only_where_asked(seed):
     ],
 )
 def test_names_of_the_other_side(name, other):
-    assert marks.flipped(name) == other
+    assert marker_places.flipped(name) == other
 
 
 def test_neighbours_in_the_list_have_different_colours():
-    colours = np.array([marks.colour(number) for number in range(1, 101)])
+    colours = np.array([marker_places.colour(number) for number in range(1, 101)])
     assert ((colours >= 0) & (colours <= 1)).all()
     for step in (1, 2, 3):
         assert np.linalg.norm(colours[step:] - colours[:-step], axis=1).min() > 0.2

@@ -1,0 +1,240 @@
+"""Fit: which face of the source belongs to which face of the target."""
+
+import hashlib
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+from .. import session
+from ..bridge import checks, shape_keys
+from ..bridge import markers as bridge_markers
+from ..bridge.assembly import Assembly, both_sides
+from ..core import marker_places
+from ..core.colours import LIMIT
+from ..core.options import default
+from ..core.refused import Refused
+from ..core.region import weakest, words
+from ..core.transfer import doubts, fit_work, told
+from . import Asked, Done
+
+OPTIONS = ("overlap", "marker_tolerance", "match_distance", "closest")
+
+
+@dataclass(kw_only=True)
+class FitAsked(Asked):
+    """What a fit is made of; objects by name, one a line, or "" for the scene's."""
+
+    source: str = ""
+    target: str = ""
+    markers: str = ""  # the text of a marker file; "": the scene's list, or none
+    filepath: str = ""  # a marker file in place of it
+    overlap: bool = default("fit", "overlap")
+    marker_tolerance: float = default("fit", "marker_tolerance")
+    match_distance: float = default("fit", "match_distance")
+    closest: float = default("fit", "closest")
+    source_mask: str = ""  # vertex groups that match nothing
+    target_mask: str = ""
+
+
+@dataclass(kw_only=True)
+class TransferAsked(FitAsked):
+    """What a transfer is made of."""
+
+    unmatched: str = default("transfer", "unmatched")
+    scale: str = default("transfer", "scale")
+    contact: bool = default("transfer", "contact")
+
+    @property
+    def options(self):
+        """Those of lissom.Transfer."""
+        return {"unmatched": self.unmatched, "scale": self.scale, "contact": self.contact}
+
+
+class Memory(NamedTuple):
+    """A fit with what it was made of: a digest to know it by, objects, pairs and curves for the panel.
+
+    ``doubts`` has each doubtful marker, and what is said against it, by its points, not its row: rows change
+    places, and a marker that is corrected is free of doubt. ``weak`` says which region is off most, or
+    nothing.
+    """
+
+    digest: str
+    source: Assembly
+    target: Assembly
+    pairs: list
+    curves: list
+    fit: object
+    summary: str
+    doubts: dict
+    weak: str
+
+
+@dataclass(kw_only=True)
+class FitDone(Done):
+    """``fit``: the Memory of the fit that was made or used."""
+
+    fit: Memory
+
+    @property
+    def doubtful_markers(self):
+        """As they are written to a file."""
+        return [
+            {"name": marker.name, "source": marker.source, "target": marker.target, "reason": why}
+            for marker, why in self.fit.doubts.values()
+        ]
+
+
+def summary(report):
+    """How good a fit is, in one line."""
+    certainty = report["certainty"]
+    sure = f", {min(99, round(100 * certainty))} % sure how the meshes lie" if certainty < 1 else ""
+    return (
+        f"Fit: {report['distance_mean_percent']:.2f} % off on average, "
+        f"{report['unmatched_target_percent']:.1f} % of the target unmatched{sure}"
+    )
+
+
+def where(objects):
+    """Objects in a report: by name, or where there are several by number."""
+    return f"'{objects[0].name}'" if len(objects) == 1 else f"{len(objects)} objects"
+
+
+def key_names(objects):
+    """Names of the shape keys that these objects have, each once, in their order."""
+    return list(dict.fromkeys(name for obj in objects for name in shape_keys.key_names(obj)))
+
+
+def remembered():
+    """The last fit, and both sides of it as they are now; Refused where there is none for them."""
+    memory = session.fit
+    if memory is None:
+        raise Refused("Press Fit first")
+    found = [
+        [bpy.data.objects.get(part.key) for part in side.parts] for side in (memory.source, memory.target)
+    ]
+    if None in found[0] + found[1]:
+        raise Refused("An object of the last fit is gone: press Fit again")
+    source = Assembly(found[0])
+    overlap = memory.target.origin is memory.source.origin
+    target = Assembly(found[1], source.origin if overlap else None)
+    for then, now in ((memory.source, source), (memory.target, target)):
+        if not all(map(np.array_equal, then.geometry(), now.geometry())):
+            raise Refused("A mesh was changed since the last fit: press Fit again")
+    return memory, source, target
+
+
+def _listed(scene):
+    return bridge_markers.of_scene(scene), bridge_markers.curves_of_scene(scene)
+
+
+class Request:
+    """Both sides and the markers of what is asked, as arrays."""
+
+    def __init__(self, context, asked):
+        sources, targets = both_sides(context, asked.source, asked.target)
+        self.source = Assembly(sources)
+        self.target = Assembly(targets, self.source.origin if asked.overlap else None)
+        self._listed = _listed(context.scene)
+        given = asked.markers, asked.filepath
+        self._own = not (any(given) or asked.overlap)
+        if asked.overlap and any(given):
+            raise Refused(
+                "Meshes that overlap need no markers: give markers, or say that they overlap, not both"
+            )
+        self.pairs, self.curves, self.warnings = (
+            ([], [], []) if asked.overlap else bridge_markers.gather(context, sources, targets, *given)
+        )
+        self.options = {name: getattr(asked, name) for name in OPTIONS}
+        for side in ("source", "target"):
+            group = getattr(asked, f"{side}_mask")
+            if group:
+                self.options[f"{side}_mask"] = getattr(self, side).mask(group)
+        if self.curves:
+            self.options["curves"] = [tuple(map(list, curve.vertices)) for curve in self.curves]
+        self._exact = asked.marker_tolerance == 0
+        ends = [(marker.source, marker.target) for marker in self.pairs]
+        self._vertices = np.array(ends, dtype=np.int64)
+        self.markers = self._vertices if self.pairs else None
+        for name, side in (("source_points", "source"), ("points", "target")):
+            points = [marker.point(side) for marker in self.pairs]
+            if not all(point.is_vertex for point in points):
+                rest = getattr(self, side).rest()  # the main object's vertices come first
+                self.options[name] = np.array([point.position(rest) for point in points])
+
+    def geometry(self):
+        """(vertices, triangles) of source and target in solve space."""
+        return [self.source.geometry(), self.target.geometry()]
+
+    def fit(self):
+        """For core.transfer.known_steps: the fit in memory if it is made of this, else what makes one."""
+        known = session.fit and session.fit.digest == self._digest()
+        return session.fit.fit if known else (self.markers, self.options)
+
+    def require_writable(self, keys=True):
+        """The target's objects; Refused where nothing can be written to one. With ``keys``: to its keys."""
+        targets = self.target.find()
+        for target in targets:
+            checks.require_writable(target, keys)
+        return targets
+
+    def remember(self, context, fit):
+        """Keeps the fit for the next transfer, and in the scene where its markers are now; its Memory."""
+        ends = [marker.ends for marker in self.pairs]
+        doubted = {ends[i]: (self.pairs[i], why) for i, why in doubts(fit, self._exact).items()}
+        curves = [curve.texts for curve in self.curves]
+        known = self._digest(), self.source, self.target, ends, curves
+        session.fit = Memory(*known, fit, summary(fit.report), doubted, self._weak(fit))
+        if self._own and any(self._listed) and self._listed == _listed(context.scene):
+            ends = self.source.objects()[0], self.target.objects()[0]
+            fitted = iter(self.pairs)
+            pairs = [marker if marker.guessed else next(fitted) for marker in self._listed[0]]
+            bridge_markers.put(context.scene, pairs, *ends, curves=self.curves)
+        return session.fit
+
+    def told(self, fit):
+        """What there is to warn of, about the markers and the fit."""
+        return [*self.warnings, *told(fit, self.pairs, self._exact, [curve.name for curve in self.curves])]
+
+    def told_of_transfer(self, fit, warnings, what="shape keys"):
+        """The same with a transfer's own warnings, and those of meshes that several objects have."""
+        shared = [checks.shared_data(obj, what) for obj in self.target.objects()]
+        return [*self.told(fit), *warnings, *filter(None, shared)]
+
+    def _digest(self):
+        """Equal exactly when a fit made for one request serves the other."""
+        digest = hashlib.blake2b(digest_size=16)
+        for array in (*self.geometry()[0], *self.geometry()[1], self._vertices):
+            digest.update(np.ascontiguousarray(array).tobytes())
+        for name, option in self.options.items():
+            digest.update(f"{name} ".encode())
+            digest.update(option.tobytes() if isinstance(option, np.ndarray) else repr(option).encode())
+        return digest.hexdigest()
+
+    def _weak(self, fit):
+        vertices, triangles = self.source.geometry()
+        diagonal = marker_places.diagonal(self.target.rest())
+        found = weakest(fit, triangles, LIMIT * diagonal)
+        if found is None:
+            return ""
+        worst = found[fit.distances[found].argmax()]
+        marked = [marker.source for marker in self.pairs]
+        place = words(vertices[worst], vertices, marked, [marker.name for marker in self.pairs])
+        off = 100 * fit.distances[worst] / diagonal
+        return f"Least sure {place} of the source, up to {off:.1f} % off: look there"
+
+
+class Fit:
+    """The source pulled onto the target."""
+
+    def __init__(self, context, asked):
+        self._request = Request(context, asked)
+        self.work = fit_work(*self._request.geometry(), self._request.markers, self._request.options)
+
+    def write(self, context, fit):
+        """Keeps a fit of lissom.fit_correspondence; a FitDone."""
+        self._request.source.find()
+        self._request.target.find()
+        memory = self._request.remember(context, fit)
+        return FitDone(summary=memory.summary, warnings=self._request.told(fit), fit=memory)
