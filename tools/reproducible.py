@@ -9,13 +9,14 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 CARGO = pathlib.Path(os.environ.get("CARGO_HOME", pathlib.Path.home() / ".cargo"))
 
 
 def built(folder, words):
-    """The bytes of the wheel, built in a new clone."""
+    """The wheel, built in a new clone, and what it holds."""
     subprocess.run(["git", "clone", "-q", str(ROOT), str(folder)], check=True)
     # Messages of panics name their source; the release workflow says the same.
     flags = "\x1f".join(
@@ -25,15 +26,17 @@ def built(folder, words):
     command = [sys.executable, "-m", "maturin", "build", "--release", "--locked", "--out", "dist", *words]
     subprocess.run(command, cwd=folder, env=environment, check=True)
     (wheel,) = (folder / "dist").glob("*.whl")
-    return wheel.read_bytes()
+    print(f"{hashlib.sha256(wheel.read_bytes()).hexdigest()}  {wheel.name}", flush=True)
+    with zipfile.ZipFile(wheel) as archive:
+        return wheel.read_bytes(), {name: archive.read(name) for name in archive.namelist()}
 
 
 def main():
     with tempfile.TemporaryDirectory() as here:
         folders = [pathlib.Path(here, name) for name in ("one", "another, of a longer name")]
-        sums = [hashlib.sha256(built(folder, sys.argv[1:])).hexdigest() for folder in folders]
-    print("\n".join(sums))
-    sys.exit(None if len(set(sums)) == 1 else "the wheels differ")
+        (first, holds), (second, holds_too) = (built(folder, sys.argv[1:]) for folder in folders)
+    names = [name for name in {**holds, **holds_too} if holds.get(name) != holds_too.get(name)]
+    sys.exit(None if first == second else f"the wheels differ, in {', '.join(names) or 'their order'}")
 
 
 if __name__ == "__main__":
