@@ -14,6 +14,7 @@ from .operators import (
     pose_apply,
     pose_bake,
     pose_bind,
+    pose_company,
     pose_drive,
     pose_handles,
     pose_tool,
@@ -43,6 +44,7 @@ _PROPERTIES = (main_properties, pose_properties, transfer_properties, inbetween_
 _OPERATORS = (
     page,
     pose_handles,
+    pose_company,
     pose_bind,
     pose_apply,
     pose_bake,

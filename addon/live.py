@@ -84,8 +84,11 @@ def paused():
 @persistent
 def _on_update(scene, depsgraph):
     if _paused:
+        session.edited.clear()
         return
     for change in depsgraph.updates:
+        if change.is_updated_geometry:
+            session.edited.clear()
         if not isinstance(change.id, bpy.types.Object):
             continue
         obj = change.id.original
@@ -108,6 +111,7 @@ def _on_history(*_):
     """After undo or redo positions are those of the past: solve again, from the handles of the past."""
     session.history += 1
     session.status.clear()
+    session.edited.clear()
     for obj in bpy.data.objects:
         if applied.bound_mesh(obj):
             applied.follow(obj)

@@ -12,6 +12,7 @@ rebinding = {}  # name of a mesh object -> core.work.Work that binds it anew, No
 status = {}  # name of a mesh object -> (icon, text) about its live pose
 fit = None  # jobs.fit.Memory: the last fit
 work = None  # core.work.Work that a modal operator runs now; there is at most one
+edited = {}  # session_uid of a mesh object -> {name of a shape key: whether it was edited by hand}
 colours = {}  # session_uid of a mesh object -> its active colour attribute before the colours of a fit
 shadings = {}  # (screen, place of the area) -> shading of a 3D view before the colours of a fit
 picking = None  # core.picking.Picking while markers are picked
@@ -29,6 +30,7 @@ def clear():
     stances.clear()
     rebinding.clear()
     status.clear()
+    edited.clear()
     shadings.clear()
     colours.clear()
     stale.clear()

@@ -9,7 +9,7 @@ from ..core import space, turns
 from ..core.pose import check_groups
 from ..core.pose_options import Asked, options_of
 from ..core.refused import Refused, first
-from . import empties, groups, meshes, mirrors, shape_keys, standing
+from . import company, empties, groups, meshes, mirrors, shape_keys, standing
 
 
 def bind_work(obj, linear, asked, skin=None):
@@ -17,17 +17,23 @@ def bind_work(obj, linear, asked, skin=None):
     settings = obj.lissom_pose
     names = [handle.name for handle in settings.handles]
     found = groups.weighted_members(obj, [*names, settings.roi])
+    on_others, others = company.members(obj, [*names, settings.roi])
+    for name, (indices, weights) in on_others.items():
+        if indices and name in found:
+            found[name] = tuple(map(np.concatenate, ([found[name][0], *indices], [found[name][1], *weights])))
     members = {name: indices for name, (indices, _) in found.items()}
     check_groups(members, names, settings.roi)
+    region = members.get(settings.roi)
     return core_pose.bind_work(
         space.into(linear, _stood(obj, skin)),
         space.outward(linear, meshes.triangles(obj.data)),
         meshes.corners(obj.data),
         [members[name] for name in names],
         [found[name][1] for name in names],
-        members.get(settings.roi),
+        None if region is None else np.union1d(region, others),
         asked,
         mirrors.of(obj, linear, asked.symmetry),
+        company.of(obj, linear),
     )
 
 
@@ -76,7 +82,8 @@ def current(obj):
     if known is not None:
         rest = space.into(linear, _stood(obj, standing.of(obj, preview(obj))))
         wanted = asked(settings)
-        if known.fits(rest, meshes.corners(obj.data), wanted, mirrors.of(obj, linear, wanted.symmetry)):
+        mirrored = mirrors.of(obj, linear, wanted.symmetry)
+        if known.fits(rest, meshes.corners(obj.data), wanted, mirrored, company.of(obj, linear)):
             return known
     made = session.poses[obj.session_uid] = bind_again(obj).wait()
     made.forget()
@@ -167,6 +174,7 @@ def drop_foreign_handles(obj):
 def remove_preview(obj):
     """Takes the live pose off the mesh, unless it is that of another bound object with the same mesh."""
     settings, mesh = obj.lissom_pose, obj.data
+    company.release(obj)
     for other in bpy.data.objects:
         theirs = other.lissom_pose
         shows = other != obj and other.data == mesh and theirs.bound and theirs.preview == settings.preview
@@ -176,23 +184,6 @@ def remove_preview(obj):
         shape_keys.remove(obj, settings.preview)
     if settings.made_basis and mesh.shape_keys and len(mesh.shape_keys.key_blocks) == 1:
         obj.shape_key_clear()
-
-
-def mute_baked(obj, mute):
-    """Silences what Bake made of the object, which would add to a live pose, or lets it play as before."""
-    settings, keys = obj.lissom_pose, obj.data.shape_keys
-    for baked in settings.baked:
-        key = keys.key_blocks.get(baked.name) if keys else None
-        if key is not None:
-            if mute:
-                baked.muted = key.mute
-            key.mute = mute or baked.muted
-    modifier = obj.modifiers.get(settings.baked_cache)
-    if modifier is not None:
-        if mute:
-            settings.cache_hidden = not modifier.show_viewport, not modifier.show_render
-        shown = [not (mute or hidden) for hidden in settings.cache_hidden]
-        modifier.show_viewport, modifier.show_render = shown
 
 
 def alive_handles(obj):
@@ -232,14 +223,21 @@ def motion(obj, tracker=None):
 
 def key_shape(obj, vertices):
     """(n, 3): the shape key that shows (n, 3) solved positions, through the Skin where the object has one."""
-    shape = space.back(linear_part(obj), vertices)
+    shape = space.back(linear_part(obj), vertices[: len(obj.data.vertices)])
     skin = standing.of(obj, preview(obj))
     return shape if skin is None else skin.key(shape)
 
 
+def key_shapes(obj, vertices):
+    """[(object, its key that shows the pose, (n, 3) shape)] of a solve: the bound object and its company."""
+    others = company.shapes(obj, linear_part(obj), vertices)
+    return [(obj, preview(obj), key_shape(obj, vertices)), *others]
+
+
 def show(obj, vertices):
-    """Writes (n, 3) solved positions to the preview key."""
-    shape_keys.write_points(preview(obj), key_shape(obj, vertices))
+    """Writes solved positions to the keys that show the pose."""
+    for _, key, shape in key_shapes(obj, vertices):
+        shape_keys.write_points(key, shape)
 
 
 def place_at_rest(obj):
@@ -254,5 +252,6 @@ def reset(obj):
     """Handles and preview at rest."""
     place_at_rest(obj)
     shape_keys.write_points(preview(obj), meshes.rest_positions(obj.data))
+    company.put_to_rest(obj)
     if obj.session_uid in session.poses:
         session.poses[obj.session_uid].put_to_rest()

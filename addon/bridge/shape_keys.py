@@ -37,7 +37,9 @@ def key_names(obj):
 
 def previews(mesh):
     """Names of the shape keys that show the live pose of a bound object with this mesh."""
-    return {obj.lissom_pose.preview for obj in bpy.data.objects if obj.data == mesh and obj.lissom_pose.bound}
+    bound = [obj for obj in bpy.data.objects if obj.lissom_pose.bound]
+    others = {row.preview for obj in bound for row in obj.lissom_pose.company if row.object.data == mesh}
+    return {obj.lissom_pose.preview for obj in bound if obj.data == mesh} | others
 
 
 def refuse_preview(key):

@@ -3,6 +3,7 @@
 import json
 import pathlib
 import time
+from dataclasses import asdict
 
 import bpy
 import lissom
@@ -43,6 +44,12 @@ def configure(parser):
     )
     add("--cache", help="with --frames: the point cache to write (default: shape keys)")
     add("--exists", choices=[item[0].lower() for item in EXISTS_ITEMS], default="update")
+    add(
+        "--edited",
+        choices=("keep", "carry", "overwrite"),
+        default="keep",
+        help="what becomes of keys that were edited by hand since they were transferred (keep)",
+    )
     add("--loose-parts", **argument("transfer", "unmatched"))
     add("--scale", **argument("transfer", "scale"))
     add("--drivers", choices=("rewire", "keep", "none"), default="rewire", help="what becomes of drivers")
@@ -114,23 +121,30 @@ def _run(job):
     return done
 
 
+def _found(arguments, done):
+    """What was there already: by object, the keys that were locked or edited."""
+    return {"there": asdict(done.found) | {"edited_keys": arguments.edited}}
+
+
 def _transfer_keys(arguments, sources, common):
     keys, unknown = _keys(sources, arguments.keys)
     asked = KeysAsked(
         keys=tuple(keys),
         exists=arguments.exists.upper(),
+        edited=arguments.edited.upper(),
         drivers=arguments.drivers.upper(),
         drop_empty=arguments.drop_empty,
         **common,
     )
     done = _run(TransferKeys(bpy.context, asked))
     errors = [f"'{arguments.source[0]}' has no shape key named '{name}'" for name in unknown]
-    return done, {"keys": keys, "errors": errors, "quality": done.quality}
+    return done, {"keys": keys, "errors": errors, "quality": done.quality} | _found(arguments, done)
 
 
 def _transfer_pose(arguments, sources, common):
-    asked = PoseAsked(name=arguments.pose, exists=arguments.exists.upper(), **common)
-    return _run(TransferPose(bpy.context, asked)), {"pose": arguments.pose}
+    what = {"exists": arguments.exists.upper(), "edited": arguments.edited.upper()}
+    done = _run(TransferPose(bpy.context, PoseAsked(name=arguments.pose, **what, **common)))
+    return done, {"pose": arguments.pose} | _found(arguments, done)
 
 
 def _transfer_frames(arguments, sources, common):

@@ -51,19 +51,41 @@ def check_groups(groups, handles, roi):
                 )
 
 
-def bind_work(vertices, triangles, corners, handles, weights, roi, asked, mirrors=NONE):
+class Company(NamedTuple):
+    """Further meshes under the same handles, each (vertices (n, 3), triangles (m, 3)) in solve space.
+
+    Those that ride are parts of the mesh that is posed: loose ones follow the nearest surface rigidly. Drapes
+    lie on it as clothes do, and go with it by the transfer of a fit that takes both as they are.
+    """
+
+    rides: tuple = ()
+    drapes: tuple = ()
+
+
+ALONE = Company()
+
+
+def joined(meshes):
+    """One mesh of several."""
+    starts = np.cumsum([0] + [len(vertices) for vertices, _ in meshes])
+    triangles = [faces + start for (_, faces), start in zip(meshes, starts, strict=False)]
+    return np.concatenate([vertices for vertices, _ in meshes]), np.concatenate(triangles)
+
+
+def bind_work(vertices, triangles, corners, handles, weights, roi, asked, mirrors=NONE, company=ALONE):
     """Work whose result is the BoundPose of a mesh.
 
     ``vertices`` (n, 3) in solve space, ``corners`` (c,) the vertices of the faces in turn; ``handles`` and
     ``weights`` are lists of arrays (k,), ``roi`` one of indices or None, ``asked`` a pose_options.Asked.
-    ``mirrors`` are those of the object.
+    ``mirrors`` are those of the object; indices beyond its vertices are those of what rides on it.
     """
 
     def steps():
-        mesh = lissom.Mesh(vertices, triangles, weld=0.0 if asked.weld else None)
+        all_vertices, all_triangles = joined([(vertices, triangles), *company.rides])
+        mesh = lissom.Mesh(all_vertices, all_triangles, weld=0.0 if asked.weld else None)
         region, known = roi, asked
         if roi is None and len(handles) == 1:
-            region, reach = stays.moving(mesh, triangles, handles[0], asked.stays, asked.reach)
+            region, reach = stays.moving(mesh, all_triangles, handles[0], asked.stays, asked.reach)
             known = asked._replace(reach=reach)
         pose = yield lissom.start_pose(
             mesh,
@@ -72,9 +94,16 @@ def bind_work(vertices, triangles, corners, handles, weights, roi, asked, mirror
             method=asked.method,
             handle_weights=weights if asked.use_weights else None,
             **asked.options,
-            **mirrors.pose(vertices),
+            **mirrors.pose(all_vertices),
         )
-        return BoundPose(pose, vertices, corners, len(handles), known, mirrors)
+        drapes = []
+        for cloth in company.drapes:
+            source, target = lissom.Mesh(vertices, triangles), lissom.Mesh(*cloth)
+            fit = yield lissom.start_fit(source, target, None, overlap=True)
+            if not len(fit.pairs):
+                raise Refused("A cloth lies nowhere on the mesh: let it go along as a rigid part")
+            drapes.append((yield lissom.start_transfer(source, target, fit)))
+        return BoundPose(pose, vertices, corners, len(handles), known, mirrors, company, drapes)
 
     return Work(steps())
 
@@ -106,16 +135,27 @@ def _turned(motion):
     return np.flatnonzero(np.linalg.norm(told, axis=1) > UNTURNED)
 
 
+def _same(one, other):
+    """Whether two Companies are of the same meshes."""
+    pairs = zip((*one.rides, *one.drapes), (*other.rides, *other.drapes), strict=False)
+    return [len(part) for part in one] == [len(part) for part in other] and all(
+        np.array_equal(a, b) for mesh, like in pairs for a, b in zip(mesh, like, strict=True)
+    )
+
+
 class BoundPose:
     """The native pose of one bound mesh, with what it was made from, to tell whether it still holds."""
 
-    def __init__(self, pose, vertices, corners, handles, asked, mirrors):
-        """``pose`` is a lissom.Pose of so many ``handles``; the rest as ``bind_work`` has it."""
+    def __init__(self, pose, vertices, corners, handles, asked, mirrors, company=ALONE, drapes=()):
+        """``pose`` is a lissom.Pose of so many ``handles``, ``drapes`` a lissom.Transfer for each of
+        ``company.drapes``; the rest as ``bind_work`` has it."""
         self.pose = pose
         self.vertices = vertices
         self.corners = corners
         self.asked = asked
         self.mirrors = mirrors
+        self.company = company
+        self._drapes = drapes
         self.warnings = pose.warnings
         self.extent = np.linalg.norm(np.ptp(vertices, axis=0))
         self._handles = handles
@@ -139,11 +179,12 @@ class BoundPose:
             return np.zeros(self._handles, dtype=bool)
         return np.linalg.norm(self._motion.turns, axis=1) > np.pi
 
-    def fits(self, vertices, corners, asked, mirrors):
-        """True while mesh, mirrors, method and options are the ones this pose was made for."""
+    def fits(self, vertices, corners, asked, mirrors, company=ALONE):
+        """True while meshes, mirrors, method and options are the ones this pose was made for."""
         return (
             asked == self.asked
             and mirrors == self.mirrors
+            and _same(company, self.company)
             and np.array_equal(corners, self.corners)
             and np.array_equal(vertices, self.vertices)
         )
@@ -198,7 +239,9 @@ class BoundPose:
         self._converged = result.report["converged"]
         self._seconds = result.report["seconds"] / max(1, result.report["iterations"])
         self._warm = True
-        return result.vertices, result.report
+        body = result.vertices[None, : len(self.vertices)]
+        dressed = [drape.apply(body).vertices[0] for drape in self._drapes]
+        return np.concatenate([result.vertices, *dressed]), result.report
 
     def iterations_within(self, seconds, motion):
         """About how many iterations fit into ``seconds``, judged by the last solve: at rest never too few to

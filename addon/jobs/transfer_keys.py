@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass
 
-from ..bridge import animation, checks, groups, shape_keys
+from ..bridge import animation, groups, shape_keys
 from ..core import names
 from ..core.quality import as_dicts, pack_faces
 from ..core.refused import Refused, first
 from ..core.transfer import Keys, carried_weights, transfer_work
+from .corrections import Corrections, Found
 from .fit import FitDone, Request, TransferAsked, key_names, where
 
 
@@ -16,6 +17,7 @@ class KeysAsked(TransferAsked):
 
     keys: tuple[str, ...] = ()  # their names; none: all
     exists: str = "UPDATE"
+    edited: str = "KEEP"  # keys that were edited since they were written: "CARRY" or "OVERWRITE" them
     drivers: str = "REWIRE"
     drop_empty: bool = False
     check: bool = True
@@ -23,10 +25,14 @@ class KeysAsked(TransferAsked):
 
 @dataclass(kw_only=True)
 class KeysDone(FitDone):
-    """``written``: the names on each object; ``quality``: rows of core.quality.as_dict, the worst first."""
+    """``written``: the names on each object; ``quality``: rows of core.quality.as_dict, the worst first.
+
+    ``found`` has the keys that were there, and were locked or edited by hand.
+    """
 
     written: dict[str, list[str]]
     quality: list[dict]
+    found: Found
 
 
 class TransferKeys:
@@ -44,11 +50,14 @@ class TransferKeys:
             raise Refused(f"Shape key '{twice[0]}' is asked for twice")
         found = {name: keys_of(sources, name) for name in wanted}
         self._plan = destinations(targets, wanted, asked.exists)
-        kept = [name for name in wanted if any(name in plan for plan in self._plan)]
-        if not kept:
+        if not any(self._plan):
             raise Refused(
                 f"'{request.target.name}' has all of these keys, and If Exists is Skip: nothing to do"
             )
+        self._corrections = Corrections(asked.edited)
+        self._plan = self._corrections.leave(targets, self._plan)
+        self._corrections.require_any(self._plan)
+        kept = [name for name in wanted if any(name in plan for plan in self._plan)]
         self._settings = {}
         for name in kept:
             key = next(filter(None, found[name]))
@@ -70,6 +79,7 @@ class TransferKeys:
         """Writes a core.transfer.Carried; a KeysDone."""
         request, asked = self._request, self._asked
         sources, targets = request.source.find(), request.require_writable()
+        self._plan = self._corrections.leave(targets, self._plan)  # again: the artist was at work too
         fit = request.remember(context, result.fit)
         deltas = [{} for _ in targets]
         found = self._shapes.deltas(request.target.rest(), result.shapes)
@@ -81,7 +91,7 @@ class TransferKeys:
         for place, (obj, own) in enumerate(zip(targets, deltas, strict=True)):
             plan = without_empty(obj, own, self._plan[place], place > 0, asked.drop_empty)
             self._plan[place] = plan
-            self._write(obj, request.target.parts[place].vertices, own, plan)
+            self._write(obj, request.target.parts[place], own, plan)
             if asked.drivers != "NONE":
                 warnings += self._copy_drivers(sources, targets[0], obj, plan)
             written[obj.name] = list(plan.values())
@@ -91,9 +101,14 @@ class TransferKeys:
         count = sum(map(len, written.values()))
         return KeysDone(
             summary=f"{count} shape keys on {where(reached or targets)}{note}",
-            warnings=[*warnings, *request.told_of_transfer(result.fit, result.warnings)],
+            warnings=[
+                *warnings,
+                *self._corrections.warnings(),
+                *request.told_of_transfer(result.fit, result.warnings),
+            ],
             fit=fit,
             written=written,
+            found=self._corrections.found,
             quality=self._remember_quality(context, result.quality or {}),
         )
 
@@ -111,8 +126,14 @@ class TransferKeys:
                     groups.make(obj, name, own)
 
     def _remember_quality(self, context, quality):
-        rows = context.scene.lissom_transfer.quality
-        rows.clear()
+        rows, found = context.scene.lissom_transfer.quality, self._corrections.found
+        left = {
+            name for by in (found.locked, found.edited, found.unknown) for own in by.values() for name in own
+        }
+        left -= {new for plan in self._plan for new in plan.values()}
+        for place in reversed(range(len(rows))):
+            if rows[place].name not in left:
+                rows.remove(place)
         for place, name in enumerate(self._settings if quality else ()):
             new = next((plan[name] for plan in self._plan if name in plan), None)
             if new is not None:
@@ -146,26 +167,24 @@ class TransferKeys:
         told = f"Drivers of '{target.name}' go on reading the source, for want of the like: {listed}"
         return [told] if left else []
 
-    def _write(self, target, rest, deltas, plan):
+    def _write(self, target, part, deltas, plan):
         """Writes relative keys before the keys that count from them."""
         relative = {name: self._settings[name][0] for name in plan}
         if not plan:
             return
         basis = shape_keys.ensure_basis(target)
+        writer = self._corrections.writer(target, part.triangles)
         for name in _relative_first(list(plan), relative):
             relative_name, settings = self._settings[name]
             blocks, counts_from = target.data.shape_keys.key_blocks, basis
             if relative_name:
                 counts_from = blocks.get(plan.get(relative_name, relative_name), basis)
-            shape = shape_keys.shape(counts_from) if counts_from != basis else rest
-            shape_keys.write(target, plan[name], shape + deltas[name], settings, counts_from)
+            shape = shape_keys.shape(counts_from) if counts_from != basis else part.vertices
+            writer.write(plan[name], shape, deltas[name], settings, counts_from)
 
 
 def destinations(targets, wanted, exists):
-    """For each target, names on the source -> names there.
-
-    Locked keys are refused before anything is computed.
-    """
+    """For each target, names on the source -> names there."""
     # Where there are no keys yet, the first one will be the Basis.
     blocks = [obj.data.shape_keys.key_blocks if obj.data.shape_keys else {"Basis": None} for obj in targets]
     taken = set().union(*(keys.keys() for keys in blocks))
@@ -183,10 +202,9 @@ def destinations(targets, wanted, exists):
             raise Refused(
                 f"'{basis}' is the Basis of '{obj.name}': choose another name for the key, or Rename"
             )
-        overwritten = [keys[name] for name in plan.values() if name in keys]
-        for key in overwritten:
-            shape_keys.refuse_preview(key)
-        checks.require_unlocked(overwritten)
+        for name in plan.values():
+            if name in keys:
+                shape_keys.refuse_preview(keys[name])
     return plans
 
 

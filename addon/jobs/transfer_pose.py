@@ -13,6 +13,7 @@ from ..core import cache
 from ..core.refused import Refused, first
 from ..core.transfer import Keys, animation_steps, transfer_work
 from ..core.work import Work
+from .corrections import Corrections, Found
 from .fit import FitDone, Request, TransferAsked, where
 from .transfer_keys import destinations, without_empty
 
@@ -25,6 +26,7 @@ class PoseAsked(TransferAsked):
 
     name: str = "Pose"  # of the shape key
     exists: str = "UPDATE"
+    edited: str = "KEEP"
 
 
 @dataclass(kw_only=True)
@@ -40,9 +42,10 @@ class AnimationAsked(TransferAsked):
 
 @dataclass(kw_only=True)
 class PoseDone(FitDone):
-    """``written``: the name of the key on each object that has got it."""
+    """``written``: the name of the key on each object that has got it; ``found`` as in KeysDone."""
 
     written: dict[str, str]
+    found: Found
 
 
 @dataclass(kw_only=True)
@@ -73,6 +76,9 @@ class TransferPose:
         self._plan = destinations(request.target.objects(), [asked.name], asked.exists)
         if not any(self._plan):
             raise Refused(f"Shape key '{asked.name}' exists, and If Exists is Skip: choose another name")
+        self._corrections = Corrections(asked.edited)
+        self._plan = self._corrections.leave(request.target.objects(), self._plan)
+        self._corrections.require_any(self._plan)
         rest = request.source.rest()
         with live.paused():
             self._shapes = Keys(rest, [(evaluated.now(request.source), rest)])
@@ -83,15 +89,20 @@ class TransferPose:
         request = self._request
         request.source.find()
         targets = request.require_writable()
+        self._plan = self._corrections.leave(targets, self._plan)
         fit = request.remember(context, result.fit)
         (delta,) = self._shapes.deltas(request.target.rest(), result.shapes)
         rows = zip(targets, request.target.parts, request.target.back(delta), self._plan, strict=True)
         written = {}
         for obj, part, own, plan in rows:
             for name in without_empty(obj, {self._name: own}, plan, obj != targets[0]).values():
-                shape_keys.write(obj, name, part.vertices + own)
+                shape_keys.ensure_basis(obj)
+                self._corrections.writer(obj, part.triangles).write(name, part.vertices, own)
                 written[obj.name] = name
-        warnings = request.told_of_transfer(result.fit, result.warnings)
+        warnings = [
+            *self._corrections.warnings(),
+            *request.told_of_transfer(result.fit, result.warnings),
+        ]
         if not self._shapes.shapes.size:
             warnings.append("The source is at rest: the shape key moves nothing")
         return PoseDone(
@@ -99,6 +110,7 @@ class TransferPose:
             warnings=warnings,
             fit=fit,
             written=written,
+            found=self._corrections.found,
         )
 
 

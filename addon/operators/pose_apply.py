@@ -61,8 +61,12 @@ class LISSOM_OT_pose_apply(JobOperator, bpy.types.Operator):
     def finish(self, context, result):
         vertices, report = result
         obj = self._mesh.find()
-        shape = poses.key_shape(obj, vertices)
-        shape_keys.write(obj, self._name, shape, shape_keys.Settings(value=self.value))
+        for other, preview, shape in poses.key_shapes(obj, vertices):
+            taken = other.data.shape_keys.key_blocks
+            name = self._name if other == obj else names.resolve(self._name, taken.keys(), self.exists)
+            key = name and taken.get(name)
+            if name and key not in (preview, other.data.shape_keys.reference_key):
+                shape_keys.write(other, name, shape, shape_keys.Settings(value=self.value))
         if self.reset:
             poses.reset(obj)
         else:

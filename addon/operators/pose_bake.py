@@ -5,8 +5,8 @@ import numpy as np
 from bpy.props import StringProperty
 
 from .. import live
-from ..bridge import checks, meshes, playback, poses, shape_keys, standing
-from ..core import cache, space
+from ..bridge import checks, company, meshes, playback, poses, shape_keys
+from ..core import cache
 from ..core.refused import Refused, first
 from ..core.work import Work
 from ..properties.options import iterations_property
@@ -42,12 +42,14 @@ class LISSOM_OT_pose_bake(BakeProperties, JobOperator, bpy.types.Operator):
             self._path = playback.cache_path(self.filepath, obj)
         else:
             self._names = self.key_names(frames)
-            self._check_names(obj)
+            for other in [obj, *(row.object for row in company.rows(obj))]:
+                self._check_names(other)
+        if self.output == "CACHE" and len(obj.lissom_pose.company):
+            raise Refused("A point cache holds one object: bake shape keys, or take the further objects off")
         self._mesh = meshes.Snapshot.of(obj, poses.linear_part(obj))
         with live.paused():
             motions = playback.sample(scene, obj, frames)
-        skin = standing.of(obj, poses.preview(obj))
-        linear, options = self._mesh.linear, {"max_iterations": self.max_iterations, "warm_start": False}
+        options = {"max_iterations": self.max_iterations, "warm_start": False}
 
         def steps():
             shapes, restless = [], []
@@ -55,8 +57,7 @@ class LISSOM_OT_pose_bake(BakeProperties, JobOperator, bpy.types.Operator):
                 for frame, motion in zip(frames, motions, strict=True):
                     vertices, report = yield from bound.steps(motion, **options)
                     options.pop("warm_start", None)  # each frame but the first goes on from the last
-                    shape = space.back(linear, vertices)
-                    shapes.append((shape if skin is None else skin.key(shape)).astype(np.float32))
+                    shapes.append(vertices)
                     if not report["converged"]:
                         restless.append(frame)
             finally:
@@ -80,27 +81,20 @@ class LISSOM_OT_pose_bake(BakeProperties, JobOperator, bpy.types.Operator):
         shapes, restless = result
         obj, frames = self._mesh.find(), self._frames
         checks.require_writable(obj)
-        settings = obj.lissom_pose
         if self.output == "CACHE":
             path, absolute = self._path
-            cache.write(absolute, shapes, frames[0], self.step)
+            own = [poses.key_shape(obj, vertices).astype(np.float32) for vertices in shapes]
+            cache.write(absolute, own, frames[0], self.step)
             unbind(obj)
-            settings.baked_cache = playback.play_cache(obj, self.name, path, frames[0], self.step)
+            baked = playback.play_cache(obj, self.name, path, frames[0], self.step)
+            obj.lissom_pose.baked_cache = baked
         else:
-            self._check_names(obj)
-            earlier = [baked.name for baked in settings.baked]
-            for name in earlier:
-                if name in self._blocks(obj):
-                    shape_keys.remove(obj, name)
-            settings.baked.clear()
-            cached = obj.modifiers.get(settings.baked_cache)
-            if cached is not None:  # it would hide the keys
-                obj.modifiers.remove(cached)
-            settings.baked_cache = ""
-            for name, shape in zip(self._names, shapes, strict=True):
-                shape_keys.write(obj, name, shape, shape_keys.Settings())
-                settings.baked.add().name = name
-            playback.play_keys(obj, self._names, frames)
+            played = zip(*(poses.key_shapes(obj, vertices) for vertices in shapes), strict=True)
+            played = [(own[0][0], [shape.astype(np.float32) for _, _, shape in own]) for own in played]
+            for other, _ in played:
+                self._check_names(other)
+            for other, own in played:
+                self._write_keys(other, own, frames)
             unbind(obj)
         context.scene.frame_set(context.scene.frame_current, subframe=context.scene.frame_subframe)
         if restless:
@@ -110,6 +104,21 @@ class LISSOM_OT_pose_bake(BakeProperties, JobOperator, bpy.types.Operator):
                 "raise Iterations",
             )
         self.report({"INFO"}, self.summary(f"'{obj.name}'", frames))
+
+    def _write_keys(self, obj, shapes, frames):
+        settings = obj.lissom_pose
+        for name in [baked.name for baked in settings.baked]:
+            if name in self._blocks(obj):
+                shape_keys.remove(obj, name)
+        settings.baked.clear()
+        cached = obj.modifiers.get(settings.baked_cache)
+        if cached is not None:  # it would hide the keys
+            obj.modifiers.remove(cached)
+        settings.baked_cache = ""
+        for name, shape in zip(self._names, shapes, strict=True):
+            shape_keys.write(obj, name, shape, shape_keys.Settings())
+            settings.baked.add().name = name
+        playback.play_keys(obj, self._names, frames)
 
 
 classes = (LISSOM_OT_pose_bake,)

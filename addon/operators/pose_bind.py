@@ -4,7 +4,7 @@ import bpy
 from bpy.props import EnumProperty, StringProperty
 
 from .. import live, rebind, session
-from ..bridge import applied, checks, empties, meshes, poses, shape_keys, standing
+from ..bridge import applied, baked, checks, company, empties, meshes, poses, shape_keys, standing
 from ..core import names, space
 from ..core.pose_options import Asked, by_name, options_of
 from ..core.refused import Refused, first
@@ -77,6 +77,11 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
     reach: reach_property(options={"SKIP_SAVE"})
     symmetry: symmetry_property(options={"SKIP_SAVE"})
     stands: stands_property(options={"SKIP_SAVE"})
+    company: StringProperty(
+        name="Further Objects",
+        description="Names of objects that go along, as eyes, one a line; empty: as the panel has them",
+        options={"SKIP_SAVE"},
+    )
 
     @classmethod
     def poll(cls, context):
@@ -99,8 +104,16 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
                 empties.matrix_in(obj, handle.empty).ravel(),
                 *empties.channels(handle.empty),
             )
+        settings = obj.lissom_pose
+        if self.company:
+            others = [checks.mesh_object(name, context) for name in self.company.splitlines() if name]
+            settings.company.clear()
+            for other in others:
+                company.add(obj, other)
         with live.paused():
+            settings.stands = self.stands
             self._skin = standing.read(obj) if self.stands else None
+            company.begin(obj)
         self._mesh = meshes.Snapshot.of(obj, linear)
         return poses.bind_work(obj, linear, self.asked(), self._skin)
 
@@ -118,6 +131,7 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
             left_out += self._flat(obj)
         warnings = [*result.warnings, checks.shared_data(obj), *left_out]
         settings.made_basis = obj.data.shape_keys is None
+        company.finish(obj)
         basis = shape_keys.ensure_basis(obj)
         settings.preview = names.unused(PREVIEW, obj.data.shape_keys.key_blocks.keys())
         shape_keys.write(obj, settings.preview, shape_keys.shape(basis), shape_keys.Settings(value=1.0))
@@ -126,7 +140,7 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
         settings.topology = self._mesh.topology
         settings.linear = self._mesh.linear.ravel()
         poses.keep(settings, result.asked)
-        poses.mute_baked(obj, True)
+        baked.mute(obj, True)
         applied.note(obj)
         settings.bound = True
         session.poses[obj.session_uid] = result
@@ -229,7 +243,7 @@ def unbind(obj):
     settings.bound = False
     poses.remove_preview(obj)
     settings.property_unset("preview")
-    poses.mute_baked(obj, False)
+    baked.mute(obj, False)
     rebind.drop(obj)
     for known in (session.poses, session.skins, session.stances):
         known.pop(obj.session_uid, None)

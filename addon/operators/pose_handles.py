@@ -25,7 +25,8 @@ def _poll(operator_class, context):
     return writable_mesh(operator_class, context, bound=False)
 
 
-def _unbound_object(name, context):
+def unbound_object(name, context):
+    """The mesh object of that name, "" for the active one; Refused where it is bound, or not to be written to."""
     obj = checks.mesh_object(name, context)
     if obj.mode != "EDIT":
         checks.require_writable(obj)
@@ -54,7 +55,7 @@ class LISSOM_OT_pose_handle_add(bpy.types.Operator):
 
     @answering
     def execute(self, context):
-        obj = _unbound_object(self.object, context)
+        obj = unbound_object(self.object, context)
         space.linear_part(obj.matrix_world, obj.name)
         name = self.vertex_group or groups.from_selection(obj, "Handle")
         handles = obj.lissom_pose.handles
@@ -98,7 +99,7 @@ class LISSOM_OT_pose_handle_remove(bpy.types.Operator):
 
     @answering
     def execute(self, context):
-        obj = _unbound_object(self.object, context)
+        obj = unbound_object(self.object, context)
         settings = obj.lissom_pose
         index = settings.handles.find(self.handle) if self.handle else settings.active_handle
         if not 0 <= index < len(settings.handles):
@@ -152,7 +153,7 @@ class LISSOM_OT_pose_region_from_selection(bpy.types.Operator):
 
     @answering
     def execute(self, context):
-        obj = _unbound_object(self.object, context)
+        obj = unbound_object(self.object, context)
         obj.lissom_pose.roi = groups.from_selection(obj, self.name)
 
 

@@ -10,6 +10,7 @@ from ..properties.transfer import (
     check_property,
     drivers_property,
     drop_empty_property,
+    edited_property,
     exists_property,
 )
 from .job import answering
@@ -27,6 +28,7 @@ class LISSOM_OT_transfer_keys(TransferProperties, TransferOperator, bpy.types.Op
         name="Keys", description="Names of the shape keys, one a line; empty: all", options={"SKIP_SAVE"}
     )
     exists: exists_property("UPDATE")
+    edited: edited_property()
     drivers: drivers_property()
     drop_empty: drop_empty_property()
     check: check_property()

@@ -4,7 +4,7 @@ import bpy
 from bpy.props import StringProperty
 
 from ..jobs.transfer_pose import AnimationAsked, PoseAsked, TransferAnimation, TransferPose
-from ..properties.transfer import exists_property
+from ..properties.transfer import edited_property, exists_property
 from .baking import CACHE_FILE, BakeProperties
 from .transfer_fit import TransferOperator, TransferProperties, ready
 
@@ -18,6 +18,7 @@ class LISSOM_OT_transfer_pose(TransferProperties, TransferOperator, bpy.types.Op
 
     name: StringProperty(name="Name", description="Name of the shape key", default="Pose")
     exists: exists_property("UPDATE")
+    edited: edited_property()
 
     job_class, asked_class = TransferPose, PoseAsked
 

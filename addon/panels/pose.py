@@ -132,11 +132,25 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
             remove.handle = settings.handles[active].name
         if 0 <= active < len(settings.handles):
             column.prop(settings.handles[active], "turns_by_itself")
+        self._draw_company(column, obj, settings)
         if len(settings.handles) == 1 and not settings.roi:
             column = split_column(column)
             column.prop(settings, "stays", text="What stays?")
             if settings.stays == "FAR":
                 column.prop(settings, "reach")
+
+    def _draw_company(self, column, obj, settings):
+        row = column.row(align=True)
+        row.enabled = not settings.bound
+        row.label(text="Further Objects:" if len(settings.company) else "Further Objects: none")
+        row.operator("lissom.pose_company", text="", icon="ADD").object = obj.name
+        for place, other in enumerate(settings.company):
+            row = column.row(align=True)
+            row.enabled = not settings.bound
+            row.prop(other, "object", text="")
+            row.prop(other, "way", text="")
+            remove = row.operator("lissom.pose_company", text="", icon="REMOVE")
+            remove.object, remove.remove = obj.name, place
 
     def _draw_method(self, layout, settings):
         column = split_column(layout)

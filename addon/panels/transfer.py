@@ -6,6 +6,7 @@ from .. import session
 from ..bridge import colours, shape_keys
 from ..bridge import markers as bridge_markers
 from ..bridge.assembly import both_sides
+from ..bridge.written import is_edited
 from ..core.colours import LEGEND, LIMIT
 from ..core.quality import ORDERS, badness
 from ..core.refused import Refused
@@ -47,6 +48,9 @@ class LISSOM_UL_keys(bpy.types.UIList):
         )
         toggle.action, toggle.key = "TOGGLE", item.name
         row.label(text=item.name, translate=False)
+        target = context.scene.lissom_transfer.target
+        if target is not None and is_edited(target, item.name):
+            row.label(text="", icon="SCULPTMODE_HLT")
 
     def filter_items(self, context, data, property_name):
         keys = getattr(data, property_name)
@@ -101,8 +105,8 @@ class LISSOM_MT_markers(bpy.types.Menu):
 
 
 VERDICT_ICONS = {"good": "CHECKMARK", "look": "HIDE_OFF", "bad": "ERROR"}
-KEY_OPTIONS = ("unmatched", "scale", "exists", "drivers", "contact", "drop_empty", "check")
-POSE_OPTIONS = ("unmatched", "scale", "exists", "contact")
+KEY_OPTIONS = ("unmatched", "scale", "exists", "edited", "drivers", "contact", "drop_empty", "check")
+POSE_OPTIONS = ("unmatched", "scale", "exists", "edited", "contact")
 ANIMATION_OPTIONS = ("unmatched", "scale", "contact")
 ATTRIBUTE_OPTIONS = ("vertex_groups", "uv_maps", "colours", "exists")
 FIT_OPTIONS = ("overlap", "marker_tolerance", "match_distance", "closest", "source_mask", "target_mask")

@@ -173,6 +173,30 @@ class LissomHandle(bpy.types.PropertyGroup):
     )
 
 
+def _is_mesh(_, obj):
+    return obj.type == "MESH"
+
+
+class LissomCompanion(bpy.types.PropertyGroup):
+    """A further object under the handles."""
+
+    object: PointerProperty(type=bpy.types.Object, poll=_is_mesh, name="Object")
+    way: EnumProperty(
+        name="Goes Along",
+        description="How the object goes along with the mesh",
+        items=[
+            ("RIDE", "Rigid", "As rigid parts, which ride on the nearest surface: eyes, teeth, buttons"),
+            ("DRAPE", "Cloth", "With the surface that it lies on: clothes, lashes, a mask"),
+        ],
+    )
+    # Written by Bind.
+    matrix: FloatVectorProperty(size=16, description="From its coordinates to the bound object's, by rows")
+    topology: StringProperty(options={"HIDDEN"}, description="Hash of the faces at Bind")
+    preview: StringProperty(options={"HIDDEN"}, description="Name of the shape key that shows the pose")
+    made_basis: BoolProperty(options={"HIDDEN"}, description="Bind gave the mesh its first shape key")
+    stood: BoolProperty(options={"HIDDEN"}, description="It was bound as armature and modifiers have it")
+
+
 class LissomBakedKey(bpy.types.PropertyGroup):
     """A shape key that Bake made, by name."""
 
@@ -188,6 +212,7 @@ class LissomPose(bpy.types.PropertyGroup):
         description="Region of interest (ROI): only this group may move. Empty: the whole mesh may move",
     )
     handles: CollectionProperty(type=LissomHandle)
+    company: CollectionProperty(type=LissomCompanion)
     active_handle: IntProperty(name="Active Handle", options=set())
     method: EnumProperty(
         name="Method",
@@ -233,7 +258,7 @@ class LissomPose(bpy.types.PropertyGroup):
     )
 
 
-classes = (LissomHandle, LissomBakedKey, *_GROUPS.values(), LissomPoseOptions, LissomPose)
+classes = (LissomHandle, LissomCompanion, LissomBakedKey, *_GROUPS.values(), LissomPoseOptions, LissomPose)
 
 
 def register():

@@ -37,6 +37,19 @@ def exists_property(default):
     )
 
 
+def edited_property():
+    """What becomes of keys that the artist has edited since a transfer wrote them."""
+    return EnumProperty(
+        name="Edited Keys",
+        description="What becomes of shape keys that were edited by hand since they were transferred",
+        items=[
+            ("KEEP", "Keep", "They stay as they are"),
+            ("CARRY", "Carry Over", "The new result, with what was changed by hand on top of it"),
+            ("OVERWRITE", "Overwrite", "The new result: what was changed by hand is lost"),
+        ],
+    )
+
+
 def match_distance_property():
     """The option of the same name of lissom.start_fit."""
     label = {"label": "Match Distance", "low": 1e-6, "high": 1.0, "soft_high": 0.1}
@@ -295,6 +308,14 @@ class LissomKeyChoice(bpy.types.PropertyGroup):
     name: StringProperty(name="Shape Key")
 
 
+class LissomWritten(bpy.types.PropertyGroup):
+    """What a transfer wrote to one shape key; see bridge.written."""
+
+    name: StringProperty(description="Name of the shape key then")
+    topology: StringProperty(description="The hash of the faces then")
+    offsets: StringProperty(subtype="BYTE_STRING")
+
+
 class LissomBaked(bpy.types.PropertyGroup):
     """What a transfer of animation made on an object, so that the next of that name takes its place."""
 
@@ -385,6 +406,7 @@ class LissomTransfer(bpy.types.PropertyGroup):
     unmatched: unmatched_property()
     scale: scale_property()
     exists: exists_property("UPDATE")
+    edited: edited_property()
     drivers: drivers_property()
     contact: contact_property()
     drop_empty: drop_empty_property()
@@ -439,6 +461,7 @@ classes = (
     LissomPart,
     LissomKeyQuality,
     LissomBaked,
+    LissomWritten,
     LissomTransfer,
 )
 
@@ -447,9 +470,11 @@ def register():
     bpy.types.Scene.lissom_transfer = PointerProperty(type=LissomTransfer)
     bpy.types.Object.lissom_landmarks = CollectionProperty(type=LissomLandmark)
     bpy.types.Object.lissom_baked = CollectionProperty(type=LissomBaked)
+    bpy.types.Key.lissom_written = CollectionProperty(type=LissomWritten)
 
 
 def unregister():
+    del bpy.types.Key.lissom_written
     del bpy.types.Object.lissom_baked
     del bpy.types.Object.lissom_landmarks
     del bpy.types.Scene.lissom_transfer

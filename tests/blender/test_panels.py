@@ -290,7 +290,7 @@ def test_one_button_transfers_what_is_chosen(panels):
     attributes = ("attributes", shared | dressed)
     shared |= {"unmatched": "follow", "scale": "target", "contact": True, "name": "Open"}
     wanted = {
-        "POSE": ("pose", shared | {"exists": "RENAME"}),
+        "POSE": ("pose", shared | {"exists": "RENAME", "edited": "KEEP"}),
         "ANIMATION": ("animation", shared | {"step": 3, "output": "KEYS", "cache_path": "/a.pc2"}),
         "ATTRIBUTES": attributes,
     }

@@ -200,7 +200,7 @@ def test_row_42_handles_or_faces_changed_while_bind_is_under_way():
         (lambda: bpy.data.objects.remove(obj), "'Tube' is gone"),
     ):
         operator = types.SimpleNamespace(
-            object="Tube", stands=True, asked=lambda: poses.asked(obj.lissom_pose)
+            object="Tube", stands=True, company="", asked=lambda: poses.asked(obj.lissom_pose)
         )
         kind = bpy.types.LISSOM_OT_pose_bind
         work = kind.begin(operator, bpy.context)

@@ -1,0 +1,94 @@
+"""What transfers have written to shape keys, by which one tells what the artist has changed since.
+
+``Key.lissom_written`` has a row for each key: its offsets from its relative key, in single precision and
+compressed, and the hash of the faces. They lie on the block of the shape keys, so that they are saved,
+undone, copied and removed along with these. Shape keys bear no mark of their own: one that was renamed is
+known again by its shape.
+"""
+
+import numpy as np
+
+from .. import session
+from ..core import corrections
+from . import shape_keys
+from .meshes import signature
+
+
+def is_edited(obj, name):
+    """Whether a key was edited since a transfer wrote it; remembered until some mesh changes."""
+    known = session.edited.setdefault(obj.session_uid, {})
+    if name not in known:
+        known[name] = Written(obj).state(name) == "EDITED"
+    return known[name]
+
+
+class Written:
+    """What is remembered of the shape keys of a mesh object, by the names that they have now."""
+
+    def __init__(self, obj):
+        self._obj, self._rows = obj, {}  # a key's name -> its row's
+        self._topology = signature(obj.data)
+        rows = self._keys.lissom_written if self._keys else ()
+        there = set(self._keys.key_blocks.keys()) if rows else set()
+        self._rows = {row.name: row.name for row in rows if row.name in there}
+        lost = [row for row in rows if row.name not in there and row.topology == self._topology]
+        others = there - self._rows.keys() - {self._keys.reference_key.name} if lost else set()
+        for row in lost:
+            offsets = corrections.unpack(row.offsets)
+            found = {name: corrections.alike(self._offsets(name), offsets) for name in sorted(others)}
+            found = {name: away for name, away in found.items() if away is not None}
+            if found:
+                name = min(found, key=found.get)
+                others.remove(name)
+                self._rows[name] = row.name
+
+    @property
+    def _keys(self):
+        return self._obj.data.shape_keys
+
+    def _row(self, name):
+        return self._keys.lissom_written[self._rows[name]]
+
+    def _offsets(self, name):
+        key = self._keys.key_blocks[name]
+        return shape_keys.shape(key) - shape_keys.shape(key.relative_key)
+
+    def state(self, name):
+        """One of "FOREIGN": no transfer has written the key; "WRITTEN": it is as it was written; "EDITED"
+        since; "UNKNOWN": the mesh was remodelled since.
+        """
+        if name not in self._rows:
+            return "FOREIGN"
+        if self._row(name).topology != self._topology:
+            return "UNKNOWN"
+        largest = np.abs(shape_keys.shape(self._keys.key_blocks[name])).max(initial=0.0)
+        edited = corrections.differs(self._offsets(name), self.written(name), largest)
+        return "EDITED" if edited else "WRITTEN"
+
+    def written(self, name):
+        """(n, 3) offsets of a key as they were written."""
+        return corrections.unpack(self._row(name).offsets)
+
+    def correction(self, name):
+        """(n, 3): what the artist has added to a key since."""
+        return self._offsets(name) - self.written(name)
+
+    def remember(self, name, offsets=None):
+        """Keeps what has just been written to a key: offsets (n, 3), by default those that it has."""
+        if name not in self._rows:
+            self._keys.lissom_written.add().name = name
+            self._rows[name] = name
+        row = self._row(name)
+        row.topology = self._topology
+        row.offsets = corrections.pack(self._offsets(name) if offsets is None else offsets)
+
+    def tidy(self):
+        """Rows take the names that their keys have now; those whose keys are gone go too."""
+        rows = self._keys.lissom_written if self._keys else ()
+        now = {row: name for name, row in self._rows.items()}
+        for place in reversed(range(len(rows))):
+            if rows[place].name in now:
+                rows[place].name = now[rows[place].name]
+            else:
+                rows.remove(place)
+        self._rows = {name: name for name in self._rows}
