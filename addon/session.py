@@ -18,6 +18,7 @@ shadings = {}  # (screen, place of the area) -> shading of a 3D view before the 
 picking = None  # core.picking.Picking while markers are picked
 stale = {}  # session_uid of a mesh object -> names of its arcs whose ends were changed since they were baked
 views = None  # (the area that was split, the new one), by their addresses, while there are two for picking
+other_build = False  # whether the native part is of another build than the extension
 history = 0  # counts undo, redo and file loading
 
 
