@@ -170,6 +170,9 @@ def _done(report):
 
 def _check(arguments):
     outputs.check(arguments, ("file", "source_file", "markers"), ("out", "report", "cache"))
+    for name in (*arguments.source, *arguments.target):
+        if "\n" in name:  # operators are told names one a line
+            raise Refused(f"{name!r}: there is a line break in this name: rename the object first")
     if arguments.pose == "":
         raise Refused("--pose: give the shape key a name")
     if arguments.frames and (len(arguments.frames) not in (2, 3) or not _are_frames(arguments.frames)):
