@@ -1,8 +1,12 @@
 """Lissom: pose meshes by handles, transfer shape keys between meshes, and bake in-betweens along an arc."""
 
-import bpy
+import pathlib
 
-from . import commands, live, preferences, rebind, watch
+import bpy
+import lissom
+
+from . import commands, live, preferences, rebind, session, watch
+from .core import build
 from .drawing import ghost, guide, marks
 from .operators import (
     inbetween_all,
@@ -26,6 +30,7 @@ from .operators import (
     transfer_parts,
     transfer_pick,
     transfer_pose,
+    transfer_review,
     transfer_show,
     transfer_sides,
     transfer_views,
@@ -34,6 +39,7 @@ from .panels import inbetween as inbetween_panel
 from .panels import main as main_panel
 from .panels import menus
 from .panels import pose as pose_panel
+from .panels import quality as quality_panel
 from .panels import transfer as transfer_panel
 from .properties import inbetween as inbetween_properties
 from .properties import main as main_properties
@@ -58,6 +64,7 @@ _OPERATORS = (
     transfer_fit,
     transfer_keys,
     transfer_pose,
+    transfer_review,
     transfer_attributes,
     transfer_parts,
     transfer_show,
@@ -67,13 +74,16 @@ _OPERATORS = (
     inbetween_export,
     inbetween_image,
 )
-_PANELS = (main_panel, pose_panel, transfer_panel, inbetween_panel)  # in the order of the tab
+_PANELS = (main_panel, pose_panel, quality_panel, transfer_panel, inbetween_panel)  # in the order of the tab
 _DRAWING = (ghost, marks, guide)
 _MODULES = (*_PROPERTIES, *_OPERATORS, *_PANELS, menus, preferences)
 _CLASSES = [cls for module in _MODULES for cls in module.classes]
 
 
 def register():
+    session.other_build = build.differs(pathlib.Path(__file__).with_name("wheels"), lissom.__file__)
+    if session.other_build:
+        print(f"Lissom: {build.MESSAGE}")
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     for module in _PROPERTIES:

@@ -17,13 +17,15 @@ colours = {}  # session_uid of a mesh object -> its active colour attribute befo
 shadings = {}  # (screen, place of the area) -> shading of a 3D view before the colours of a fit
 picking = None  # core.picking.Picking while markers are picked
 stale = {}  # session_uid of a mesh object -> names of its arcs whose ends were changed since they were baked
+review = None  # jobs.review.Review while transferred keys are looked at
 views = None  # (the area that was split, the new one), by their addresses, while there are two for picking
+other_build = False  # whether the native part is of another build than the extension
 history = 0  # counts undo, redo and file loading
 
 
 def clear():
     """Forgets everything that belongs to a file."""
-    global fit, picking, views
+    global fit, picking, review, views
     poses.clear()
     worlds.clear()
     skins.clear()
@@ -34,4 +36,4 @@ def clear():
     shadings.clear()
     colours.clear()
     stale.clear()
-    fit = picking = views = None
+    fit = picking = review = views = None

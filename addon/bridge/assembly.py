@@ -126,6 +126,15 @@ class Assembly:
         ]
         return self.rest(), np.concatenate(triangles).astype(np.int32)
 
+    def seen(self, vertices):
+        """(k, 3): where some vertices are at rest in the world, and (3,) the way to look at them."""
+        rest, triangles = self.geometry()
+        normals = np.cross(*(rest[triangles[:, corner]] - rest[triangles[:, 0]] for corner in (1, 2)))
+        inside = np.zeros(len(rest), dtype=bool)
+        inside[vertices] = True
+        outward = normals[inside[triangles].any(axis=1)].sum(axis=0)
+        return rest[vertices] + self.origin, -outward if outward.any() else np.array([0.0, 1.0, 0.0])
+
     def polygons(self, triangles):
         """For each object the faces, ascending, that some triangles (k,) of ``geometry`` are part of."""
         counts = np.cumsum([0, *(len(part.triangles) for part in self.parts)])

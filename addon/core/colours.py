@@ -2,14 +2,16 @@
 
 import numpy as np
 
+from .faults import TORN
+
 GOOD, DOUBTFUL, BAD = (0.16, 0.42, 0.75), (0.95, 0.85, 0.25), (0.85, 0.12, 0.08)
-FLIPPED = (0.85, 0.10, 0.75)
+WRONG = (0.85, 0.10, 0.75)
 UNMATCHED = (0.22, 0.22, 0.24)
 LIMIT = 0.005  # of the target's diagonal: from here on a vertex is shown as bad
 
 LEGEND = (
     "Blue: on the other surface. Yellow to red: off it by up to {limit:.2g} % of its size. "
-    "Magenta: turned over. Dark: matches nothing"
+    "Magenta: folded or torn. Dark: matches nothing"
 )
 
 
@@ -30,5 +32,6 @@ def of_fit(fit, triangles, diagonal, limit):
     ``triangles`` (m, 3) are the source's; ``limit`` is a fraction of the target's ``diagonal``.
     """
     source = of_distances(fit.distances, limit * diagonal)
-    source[triangles[fit.flipped].ravel(), :3] = FLIPPED
+    wrong = np.union1d(fit.flipped, np.flatnonzero(fit.stretch > TORN))
+    source[triangles[wrong].ravel(), :3] = WRONG
     return source, of_distances(fit.image_distances, limit * diagonal)

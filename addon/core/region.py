@@ -1,11 +1,10 @@
-"""Which region of a mesh a fit is off at, in an artist's words."""
+"""A region of a mesh, and where it is in an artist's words."""
 
 import numpy as np
 
 from .suggest import pieces
 
 NEAR = 0.1  # of the diagonal: so near to a marker a region is called by its name
-LEAST = 0.002  # of the vertices: a smaller region is not worth a word
 _SIDES = (
     ("right", "left"),
     ("front", "back"),
@@ -13,19 +12,13 @@ _SIDES = (
 )  # along x, y and z, as the character has them
 
 
-def weakest(fit, triangles, limit):
-    """The vertices (k,) of the source's largest region in one piece that is off by more than ``limit``.
-
-    ``triangles`` (m, 3) are the source's, ``limit`` is in the target's units. None if none is worth it.
-    """
-    off = np.nan_to_num(fit.distances) > limit
-    inside = triangles[off[triangles].all(axis=1)]
-    if not len(inside):
+def largest_piece(triangles, count):
+    """The vertices (k,), of ``count``, of the largest piece that some triangles (m, 3) form; None of none."""
+    if not len(triangles):
         return None
-    piece = pieces(len(off), inside)
-    counts = np.bincount(piece[np.unique(inside)], minlength=len(off))
-    largest = counts.argmax()
-    return np.flatnonzero(off & (piece == largest)) if counts[largest] > LEAST * len(off) else None
+    piece = pieces(count, triangles)
+    used = np.unique(triangles)
+    return used[piece[used] == np.bincount(piece[used]).argmax()]
 
 
 def words(place, vertices, marked, names):
@@ -35,7 +28,7 @@ def words(place, vertices, marked, names):
         away = np.linalg.norm(vertices[marked] - place, axis=1)
         if away.min() < NEAR * np.linalg.norm(size):
             return f"near '{names[away.argmin()]}'"
-    share = (place - low) / np.where(size > 0, size, 1)
+    share = np.divide(place - low, size, out=np.full(3, 0.5), where=size > 0)
     sides = [
         pair[int(part > 0.5)] for pair, part in zip(_SIDES, share, strict=True) if abs(part - 0.5) > 1 / 6
     ]

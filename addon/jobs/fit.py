@@ -11,11 +11,10 @@ from .. import session
 from ..bridge import checks, shape_keys
 from ..bridge import markers as bridge_markers
 from ..bridge.assembly import Assembly, both_sides
-from ..core import marker_places
+from ..core import faults, marker_places
 from ..core.colours import LIMIT
 from ..core.options import default
 from ..core.refused import Refused
-from ..core.region import weakest, words
 from ..core.transfer import doubts, fit_work, told
 from . import Asked, Done
 
@@ -56,8 +55,8 @@ class Memory(NamedTuple):
     """A fit with what it was made of: a digest to know it by, objects, pairs and curves for the panel.
 
     ``doubts`` has each doubtful marker, and what is said against it, by its points, not its row: rows change
-    places, and a marker that is corrected is free of doubt. ``weak`` says which region is off most, or
-    nothing.
+    places, and a marker that is corrected is free of doubt. ``faults`` are the core.faults.Fault of the fit,
+    the worst first.
     """
 
     digest: str
@@ -68,7 +67,7 @@ class Memory(NamedTuple):
     fit: object
     summary: str
     doubts: dict
-    weak: str
+    faults: list
 
 
 @dataclass(kw_only=True)
@@ -185,7 +184,7 @@ class Request:
         doubted = {ends[i]: (self.pairs[i], why) for i, why in doubts(fit, self._exact).items()}
         curves = [curve.texts for curve in self.curves]
         known = self._digest(), self.source, self.target, ends, curves
-        session.fit = Memory(*known, fit, summary(fit.report), doubted, self._weak(fit))
+        session.fit = Memory(*known, fit, summary(fit.report), doubted, self._faults(fit))
         if self._own and any(self._listed) and self._listed == _listed(context.scene):
             ends = self.source.objects()[0], self.target.objects()[0]
             fitted = iter(self.pairs)
@@ -212,17 +211,15 @@ class Request:
             digest.update(option.tobytes() if isinstance(option, np.ndarray) else repr(option).encode())
         return digest.hexdigest()
 
-    def _weak(self, fit):
-        vertices, triangles = self.source.geometry()
+    def _faults(self, fit):
+        names = [marker.name for marker in self.pairs]
+        sides = [
+            faults.Side(*mesh, [getattr(marker, side) for marker in self.pairs], names)
+            for side, mesh in zip(("source", "target"), self.geometry(), strict=True)
+        ]
         diagonal = marker_places.diagonal(self.target.rest())
-        found = weakest(fit, triangles, LIMIT * diagonal)
-        if found is None:
-            return ""
-        worst = found[fit.distances[found].argmax()]
-        marked = [marker.source for marker in self.pairs]
-        place = words(vertices[worst], vertices, marked, [marker.name for marker in self.pairs])
-        off = 100 * fit.distances[worst] / diagonal
-        return f"Least sure {place} of the source, up to {off:.1f} % off: look there"
+        masked = self.options.get("target_mask", ())
+        return faults.of_fit(fit, *sides, LIMIT * diagonal, diagonal, masked)
 
 
 class Fit:
@@ -237,4 +234,5 @@ class Fit:
         self._request.source.find()
         self._request.target.find()
         memory = self._request.remember(context, fit)
-        return FitDone(summary=memory.summary, warnings=self._request.told(fit), fit=memory)
+        grave = [fault.line for fault in memory.faults if fault.grave]
+        return FitDone(summary=memory.summary, warnings=[*grave, *self._request.told(fit)], fit=memory)

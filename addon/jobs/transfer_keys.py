@@ -138,7 +138,7 @@ class TransferKeys:
             new = next((plan[name] for plan in self._plan if name in plan), None)
             if new is not None:
                 row = rows.add()
-                row.name = new
+                row.name, row.source = new, name
                 found = self._shapes.of_key(place, quality)
                 if found:
                     found["reasons"] = "\n".join(found["reasons"])

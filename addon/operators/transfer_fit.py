@@ -88,9 +88,9 @@ class TransferOperator(JobOperator):
 
     def finish(self, context, found):
         done = self._job.write(context, found)
-        for warning in done.warnings:
-            self.report({"WARNING"}, warning)
         self.report({"INFO"}, done.summary)
+        for warning in reversed(done.warnings):  # what is reported last is what one sees
+            self.report({"WARNING"}, warning)
 
 
 class LISSOM_OT_transfer_fit(FitProperties, TransferOperator, bpy.types.Operator):

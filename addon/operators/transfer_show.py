@@ -2,17 +2,20 @@
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty
+from bpy.props import BoolProperty, IntProperty
 
 from .. import session
-from ..bridge import checks, colours
+from ..bridge import checks, colours, views
 from ..bridge import markers as bridge_markers
+from ..bridge.meshes import select_vertices
 from ..core import markers
 from ..core.colours import LIMIT, of_fit
 from ..core.refused import Refused
 from ..core.suggest import suggest
 from ..jobs.fit import remembered
 from .job import allowed, answering
+
+SURROUNDINGS = 0.1  # of the mesh: so much of it is shown around a place
 
 
 class LISSOM_OT_fit_show(bpy.types.Operator):
@@ -54,6 +57,55 @@ def shown_objects():
     return [obj for obj in bpy.data.objects if obj.type == "MESH" and colours.shown(obj)]
 
 
+class LISSOM_OT_fit_place(bpy.types.Operator):
+    """Look at the place: it is selected, the view turns to it, and the fit is shown as colors"""
+
+    bl_idname = "lissom.fit_place"
+    bl_label = "Show Place"
+    bl_options = {"REGISTER", "UNDO"}
+
+    place: IntProperty(name="Place", description="Number of the fault in the panel", min=0)
+
+    @classmethod
+    def poll(cls, context):
+        return allowed(cls, "" if session.fit else "Press Fit first")
+
+    @answering
+    def execute(self, context):
+        memory, source, target = remembered()
+        if self.place >= len(memory.faults):
+            raise Refused(f"There is no fault {self.place}: the fit has {len(memory.faults)}")
+        fault = memory.faults[self.place]
+        side = source if fault.side == "source" else target
+        places, towards = side.seen(fault.vertices)
+        inside = np.zeros(len(side.rest()), dtype=bool)
+        inside[fault.vertices] = True
+        for obj, own in zip(side.objects(), side.split(inside), strict=True):
+            checks.require_writable(obj, keys=False)
+            select_vertices(obj, np.flatnonzero(own))
+        area = _showing(context, side.objects())
+        if area is not None:
+            views.look_at(area, _with_surroundings(places, side.rest()), towards)
+        bpy.ops.lissom.fit_show(show=True)
+        self.report({"INFO"}, fault.line)
+
+
+def _with_surroundings(places, vertices):
+    """Two corners of a box around places, with a part of the mesh around them."""
+    around = SURROUNDINGS * np.ptp(vertices, axis=0).max()
+    return np.array([places.min(axis=0) - around, places.max(axis=0) + around])
+
+
+def _showing(context, objects):
+    """The 3D view to turn to some objects: one that shows them, the own one before others; or None."""
+    shown = [area for area in context.screen.areas if area.type == "VIEW_3D"] if context.screen else []
+    shown.sort(key=lambda area: area != context.area)
+    for area in shown:
+        if all(obj.visible_get(viewport=area.spaces.active) for obj in objects):
+            return area
+    return None
+
+
 class LISSOM_OT_marker_suggest(bpy.types.Operator):
     """Add a marker where the last fit is least certain; correct its place on the target, then fit again"""
 
@@ -88,4 +140,4 @@ class LISSOM_OT_marker_suggest(bpy.types.Operator):
         self.report({"INFO"}, "Look where the new marker lies on the target, and correct it")
 
 
-classes = (LISSOM_OT_fit_show, LISSOM_OT_marker_suggest)
+classes = (LISSOM_OT_fit_show, LISSOM_OT_fit_place, LISSOM_OT_marker_suggest)

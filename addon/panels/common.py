@@ -5,7 +5,8 @@ import bpy
 
 from ..core.pose_options import options_of
 
-SIDEBAR, MARGINS, ICON = 280, 66, 24  # pixels at a scale of 1: as Blender opens it, and what is not text
+# Pixels at a scale of 1: the sidebar as Blender opens it, and what in it is not text.
+SIDEBAR, MARGINS, ICON, BUTTON = 280, 66, 24, 28
 
 
 TAB = "Lissom"
@@ -46,11 +47,14 @@ def draw_fold(layout, name, label):
     return body
 
 
-def draw_lines(layout, icon, text):
-    """A longer text over as many lines as the sidebar needs; the first has the icon, "NONE" for none."""
+def draw_lines(layout, icon, text, margin=0):
+    """A longer text over as many lines as the sidebar needs; the first has the icon, "NONE" for none.
+
+    ``margin`` is what else stands beside it, in pixels at a scale of 1.
+    """
     column = layout.column(align=True)
     column.scale_y = 0.8
-    room = _room(icon != "NONE")
+    room = _room((ICON if icon != "NONE" else 0) + margin)
     line = ""
     for word in text.split():
         longer = f"{line} {word}".strip()
@@ -62,12 +66,12 @@ def draw_lines(layout, icon, text):
     column.label(text=line, icon=icon)
 
 
-def _room(icon):
-    """Pixels that a line of text has in the sidebar beside its tabs and margins, and an icon."""
+def _room(beside):
+    """Pixels that a line of text has in the sidebar beside its tabs and margins, and something else."""
     scale = bpy.context.preferences.system.ui_scale
     region = bpy.context.region
     width = region.width if region is not None and region.type == "UI" else SIDEBAR * scale
-    return width - (MARGINS + (ICON if icon else 0)) * scale
+    return width - (MARGINS + beside) * scale
 
 
 def _width(text):

@@ -8,9 +8,9 @@ from ..bridge import markers as bridge_markers
 from ..bridge.assembly import both_sides
 from ..bridge.written import is_edited
 from ..core.colours import LEGEND, LIMIT
-from ..core.quality import ORDERS, badness
 from ..core.refused import Refused
-from .common import Sidebar, draw_fold, draw_lines, split_column
+from .common import BUTTON, Sidebar, draw_fold, draw_lines, split_column
+from .quality import draw_quality, draw_review
 
 
 class LISSOM_UL_markers(bpy.types.UIList):
@@ -62,28 +62,6 @@ class LISSOM_UL_keys(bpy.types.UIList):
         return [flag if key.name in offered else 0 for flag, key in zip(flags, keys, strict=True)], []
 
 
-class LISSOM_UL_quality(bpy.types.UIList):
-    """What was said about each key, the worst first."""
-
-    bl_idname = "LISSOM_UL_quality"
-
-    def draw_item(self, context, layout, data, item, icon, active_data, active_property):
-        row = layout.split(factor=0.45)
-        row.label(text=item.name, translate=False, icon=VERDICT_ICONS[item.verdict])
-        row.label(text=ORDERS[data.quality_order][1](item))
-
-    def filter_items(self, context, data, property_name):
-        rows = getattr(data, property_name)
-        helper = bpy.types.UI_UL_list
-        flags = []
-        if self.filter_name:
-            flags = helper.filter_items_by_name(self.filter_name, self.bitflag_filter_item, rows)
-        rows = list(enumerate(rows))
-        return flags, helper.sort_items_helper(
-            rows, lambda pair: badness(pair[1], data.quality_order), reverse=True
-        )
-
-
 class LISSOM_MT_markers(bpy.types.Menu):
     """Files, landmarks, and the whole list"""
 
@@ -104,7 +82,6 @@ class LISSOM_MT_markers(bpy.types.Menu):
             setattr(guess, name, getattr(context.scene.lissom_transfer, name))
 
 
-VERDICT_ICONS = {"good": "CHECKMARK", "look": "HIDE_OFF", "bad": "ERROR"}
 KEY_OPTIONS = ("unmatched", "scale", "exists", "edited", "drivers", "contact", "drop_empty", "check")
 POSE_OPTIONS = ("unmatched", "scale", "exists", "edited", "contact")
 ANIMATION_OPTIONS = ("unmatched", "scale", "contact")
@@ -160,6 +137,9 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         layout = self.layout
         settings = context.scene.lissom_transfer
         layout.context_pointer_set("lissom_transfer", settings)
+        if session.review is not None:
+            draw_review(layout, settings)
+            return
         for side in ("source", "target"):
             row = layout.row(align=True)
             split_column(row).prop(settings, side, icon="OUTLINER_OB_MESH")
@@ -200,7 +180,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         }
         draw[settings.what](layout, settings)
         if settings.what == "KEYS":
-            self._draw_quality(layout, settings)
+            draw_quality(layout, settings)
 
     def _draw_fit_options(self, column, settings):
         if len(settings.markers) and not settings.overlap:
@@ -280,6 +260,15 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         memory = fit_of(settings)
         if memory is None:
             return
+        markers = [row.ends for row in settings.markers if not row.guessed]
+        listed = ([], []) if settings.overlap else (markers, [row.vertices for row in settings.curves])
+        current = (memory.pairs, memory.curves) == listed
+        grave = any(fault.grave for fault in memory.faults)
+        for place, fault in enumerate(memory.faults):
+            self._draw_fault(layout, place, fault, current)
+        if not current:
+            draw_lines(layout, "INFO", "The markers were changed since the last fit: Transfer fits again")
+        draw_lines(layout, "CHECKMARK" if current and not grave else "NONE", memory.summary)
         row = layout.row(align=True)
         shown = any(map(colours.shown, filter(None, (settings.source, settings.target))))
         row.operator(
@@ -289,14 +278,15 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             row.operator("lissom.marker_suggest", icon="OUTLINER_OB_LIGHT")
         if shown:
             draw_lines(layout, "NONE", LEGEND.format(limit=100 * LIMIT))
-        markers = [row.ends for row in settings.markers if not row.guessed]
-        listed = ([], []) if settings.overlap else (markers, [row.vertices for row in settings.curves])
-        if (memory.pairs, memory.curves) == listed:
-            draw_lines(layout, "CHECKMARK", memory.summary)
-            if memory.weak:
-                draw_lines(layout, "INFO", memory.weak)
-        else:
-            draw_lines(layout, "INFO", "The markers were changed since the last fit: Transfer fits again")
+
+    def _draw_fault(self, layout, place, fault, current):
+        """One line of what is wrong, red until it is mended, and a button that shows where."""
+        row = layout.row()
+        told = row.column()
+        told.alert = fault.grave
+        draw_lines(told, "ERROR" if fault.grave else "INFO", fault.line, margin=BUTTON)
+        if current:
+            row.operator("lissom.fit_place", text="", icon="ZOOM_SELECTED").place = place
 
     def _draw_keys(self, layout, settings):
         source = settings.source
@@ -356,26 +346,5 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         row.scale_y = 1.4
         set_transfer(row.operator(f"lissom.transfer_{what}", icon=icon), settings, what)
 
-    def _draw_quality(self, layout, settings):
-        if not len(settings.quality):
-            return
-        row = layout.row()
-        row.label(text="Quality:")
-        row.prop(settings, "quality_order", text="")
-        row = layout.row()
-        row.template_list(
-            "LISSOM_UL_quality", "", settings, "quality", settings, "active_quality", rows=5, sort_lock=True
-        )
-        column = row.column(align=True)
-        column.operator("lissom.quality_save", text="", icon="EXPORT")
-        if settings.active_quality >= len(settings.quality):
-            return
-        active = settings.quality[settings.active_quality]
-        if active.faces not in ("", "{}"):
-            select = column.operator("lissom.quality_select", text="", icon="RESTRICT_SELECT_OFF")
-            select.key = active.name
-        for reason in active.reasons.splitlines():
-            draw_lines(layout, VERDICT_ICONS[active.verdict], reason.capitalize())
 
-
-classes = (LISSOM_UL_markers, LISSOM_UL_quality, LISSOM_UL_keys, LISSOM_MT_markers, LISSOM_PT_transfer)
+classes = (LISSOM_UL_markers, LISSOM_UL_keys, LISSOM_MT_markers, LISSOM_PT_transfer)

@@ -13,6 +13,7 @@ from bpy.props import (
     StringProperty,
 )
 
+from .. import session
 from ..bridge.meshes import rest_place
 from ..bridge.screen import redraw_views
 from ..core.options import option
@@ -271,6 +272,7 @@ class LissomKeyQuality(bpy.types.PropertyGroup):
     """What the last transfer said about one shape key; see lissom.Transfer.quality."""
 
     name: StringProperty(name="Shape Key")
+    source: StringProperty(description="Name of the source's shape key")
     verdict: EnumProperty(
         name="Verdict",
         description="Whether the key can be taken as it is",
@@ -325,7 +327,10 @@ class LissomBaked(bpy.types.PropertyGroup):
 
 
 def _show_key(settings, _):
-    """The key of a row that is clicked becomes the active one of the target."""
+    """The key of a row that is clicked becomes the active one of the target, and is shown in a review."""
+    if session.review is not None:
+        session.review.show(settings)
+        return
     row = settings.quality[settings.active_quality]
     keys = settings.target.data.shape_keys if settings.target else None
     if keys and row.name in keys.key_blocks:

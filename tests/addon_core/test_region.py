@@ -1,10 +1,8 @@
-"""Where a fit is off, in words."""
-
-from types import SimpleNamespace
+"""Regions of a mesh, and their words."""
 
 import numpy as np
 import pytest
-from lissom_addon_core.region import weakest, words
+from lissom_addon_core.region import largest_piece, words
 
 SIDE = 21
 GRID = np.stack(np.meshgrid(np.linspace(-1, 1, SIDE), np.linspace(-1, 1, SIDE)), axis=-1).reshape(-1, 2)
@@ -13,22 +11,18 @@ CORNER = np.arange(SIDE * (SIDE - 1)).reshape(-1, SIDE)[:, :-1].ravel()
 FACES = np.concatenate([CORNER[:, None] + [0, 1, SIDE + 1], CORNER[:, None] + [0, SIDE + 1, SIDE]])
 
 
-def fit_off_at(*spots):
-    """A fit that is off around each (x, z, radius)."""
-    off = [np.zeros(len(GRID), bool)]
-    off += [np.linalg.norm(GRID - (x, z), axis=1) < radius for x, z, radius in spots]
-    return SimpleNamespace(distances=np.where(np.any(off, axis=0), 0.3, 0.01))
+def around(x, z, radius):
+    """The faces whose corners all lie around a place."""
+    near = np.linalg.norm(GRID - (x, z), axis=1) < radius
+    return FACES[near[FACES].all(axis=1)]
 
 
-@pytest.mark.parametrize("limit", [0.1, 0.2])
-def test_the_largest_region_counts(limit):
-    fit = fit_off_at((0.7, 0.7, 0.31), (-0.6, -0.6, 0.2))
-    found = weakest(fit, FACES, limit)
+def test_the_largest_piece_counts():
+    both = np.concatenate([around(-0.6, -0.6, 0.2), around(0.7, 0.7, 0.31)])
+    found = largest_piece(both, len(GRID))
     assert np.allclose(PLANE[found].mean(axis=0), [0.7, 0, 0.7], atol=0.06)
-    fit.distances[found] = np.nan
-    assert np.allclose(PLANE[weakest(fit, FACES, limit)].mean(axis=0), [-0.6, 0, -0.6], atol=0.06)
-    assert weakest(fit_off_at(), FACES, limit) is None
-    assert weakest(fit, FACES, 1.0) is None
+    assert set(found) == set(around(0.7, 0.7, 0.31).ravel())
+    assert largest_piece(FACES[:0], len(GRID)) is None
 
 
 @pytest.mark.parametrize(

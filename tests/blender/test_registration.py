@@ -16,12 +16,15 @@ def test_the_package_registers_twice(addon):
     assert hasattr(bpy.types.Object, "lissom_pose")
 
 
+APART = ("marker_pick", "marker_views", "page_show", "pose_touch", "review", "review_mend")
+
+
 def test_every_operator_can_be_undone_and_repeated(addon):
     operators = [cls for cls in own_classes(addon) if issubclass(cls, bpy.types.Operator)]
     assert len(operators) >= 15
     for cls in operators:
         # Every pair is a step of its own; views and windows are no part of the file.
-        apart = cls.bl_idname.split(".")[1] in ("marker_pick", "marker_views", "page_show", "pose_touch")
+        apart = cls.bl_idname.split(".")[1] in APART
         assert cls.bl_options == ({"REGISTER"} if apart else {"REGISTER", "UNDO"}), cls
 
 

@@ -4,7 +4,7 @@ import bpy
 import pytest
 import scene
 from bl_ext.user_default.lissom import session
-from bl_ext.user_default.lissom.operators import transfer_views
+from bl_ext.user_default.lissom.bridge import views as views3d
 
 
 def views():
@@ -45,7 +45,7 @@ def test_each_view_shows_one_of_the_two_and_looks_at_it(pair):
     seen = [[obj.visible_get(viewport=area.spaces.active) for obj in pair] for area in (new, own)]
     assert seen == [[True, False], [False, True]]
     assert [obj.select_get() for obj in pair] == [True, False]
-    transfer_views._frame()
+    views3d.frame(session.views)
     away = [
         area.spaces.active.region_3d.view_location - obj.location
         for area, obj in zip((new, own), pair, strict=True)

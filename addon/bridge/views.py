@@ -1,0 +1,195 @@
+"""3D views: what each of them shows, and where it looks."""
+
+from itertools import pairwise
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from ..core.framing import framed, free_span
+from ..core.refused import Refused
+
+SENSOR = 72.0  # millimetres: what a view shows at a distance of its lens; Blender doubles the 36 of a camera
+
+
+def region_of(area, kind="WINDOW"):
+    """The region of that kind."""
+    return next(region for region in area.regions if region.type == kind)
+
+
+def of_address(address):
+    """(window, area) of a 3D view by its address, or None where it is closed."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.as_pointer() == address and area.type == "VIEW_3D":
+                return window, area
+    return None
+
+
+def under(window, x, y):
+    """Whether the mouse is over a 3D view of a window."""
+    return any(
+        area.type == "VIEW_3D" and 0 <= x - area.x < area.width and 0 <= y - area.y < area.height
+        for area in window.screen.areas
+    )
+
+
+def split(context, sides):
+    """Splits the 3D view of the context, each of two ``sides`` alone in one; their addresses, the own first.
+
+    The new view is the left one and shows the first side. ``frame`` them once they have ``settled``.
+    """
+    if context.area is None or context.area.type != "VIEW_3D":
+        raise Refused("A 3D view is split in two: press it in one")
+    if context.space_data.local_view is not None:
+        raise Refused("This view is in Local View: leave it first (View > Local View)")
+    own, before = context.area, set(context.screen.areas)
+    sidebar = region_of(own, "UI").width
+    bpy.ops.screen.area_split(direction="VERTICAL", factor=max(0.5 - 0.5 * sidebar / own.width, 0.25))
+    (new,) = set(context.screen.areas) - before
+    new.spaces.active.show_region_ui = False
+    for area, objects in zip((new, own), sides, strict=True):
+        _show_alone(context, area, objects)
+    return own.as_pointer(), new.as_pointer()
+
+
+def together(context, addresses):
+    """Back to one view of the two, which looks as it did before; what was closed meanwhile is left alone."""
+    areas = {area.as_pointer(): area for area in context.screen.areas if area.type == "VIEW_3D"}
+    own, new = map(areas.get, addresses)
+    for area in filter(None, (own, new)):
+        if area.spaces.active.local_view is not None:
+            _switch(context, area)
+    if own and new:
+        with context.temp_override(area=new, region=region_of(new)):
+            bpy.ops.screen.area_close()
+
+
+def _switch(context, area):
+    """Local View on or off, at once: a view that is on its way cannot be framed."""
+    preferences = context.preferences.view
+    smooth, preferences.smooth_view = preferences.smooth_view, 0
+    try:
+        with context.temp_override(area=area, region=region_of(area)):
+            bpy.ops.view3d.localview(frame_selected=True)
+    finally:
+        preferences.smooth_view = smooth
+
+
+def _show_alone(context, area, objects):
+    """Shows these objects and nothing else in a view; the selection stays as it was."""
+    selected = {obj: obj.select_get() for obj in context.view_layer.objects}
+    for obj in selected:
+        obj.select_set(obj in objects)
+    _switch(context, area)
+    for obj, was in selected.items():
+        obj.select_set(was)
+
+
+def settled(addresses):
+    """Whether Blender has drawn views since they were split: only then their regions know their sizes."""
+    areas = [found[1] for found in map(of_address, addresses) if found]
+    spans = sorted((area.x, area.x + area.width) for area in areas)
+    apart = all(one[1] <= other[0] for one, other in pairwise(spans))
+    inside = (
+        area.x <= region.x and region.x + region.width <= area.x + area.width
+        for area in areas
+        for region in map(region_of, [area] * 2, ("WINDOW", "UI"))
+        if region.width > 1
+    )
+    return apart and all(inside)
+
+
+def frame(addresses):
+    """Has each view that is in Local View show its meshes beside what covers it."""
+    for window, area in filter(None, map(of_address, addresses)):
+        space = area.spaces.active
+        if space.local_view is not None:
+            shown = (obj for obj in window.view_layer.objects if obj.type == "MESH")
+            look_at(area, box([obj for obj in shown if obj.visible_get(viewport=space)]))
+
+
+def box(objects):
+    """(8 k, 3): the corners of the boxes around objects, in the world."""
+    return np.array([obj.matrix_world @ Vector(corner) for obj in objects for corner in obj.bound_box])
+
+
+def look_at(area, corners, towards=None):
+    """Has a view show places (k, 3) of the world where nothing covers it.
+
+    ``towards`` (3,) is the way it looks, by default as it does.
+    """
+    region, data = region_of(area), area.spaces.active.region_3d
+    if towards is not None:
+        data.view_rotation = Vector(-np.asarray(towards)).to_track_quat("Z", "Y")
+    covering = [
+        (bar.x - region.x, bar.x - region.x + bar.width)
+        for bar in (region_of(area, "UI"), region_of(area, "TOOLS"))
+        if bar.width > 1
+    ]
+    size = region.width, region.height
+    across = SENSOR / area.spaces.active.lens * data.view_distance  # of the longer side of the region
+    data.view_location, factor = framed(
+        corners,
+        np.array(data.view_rotation.to_matrix()),
+        size,
+        free_span(region.width, covering),
+        across / max(size),
+    )
+    data.view_distance *= factor
+
+
+class Linked:
+    """Two views that look at two things alike: as one is turned, moved or zoomed, so is the other."""
+
+    def __init__(self, addresses):
+        """As the views look now, each shows its own thing as it should."""
+        self._addresses = addresses
+        self._home = self._last = self._states()
+
+    def follow(self):
+        """Has the view follow that was not touched since the last time; at first the second one."""
+        now = self._states()
+        if len(now) < 2 or all(map(_same, now, self._last)):
+            return
+        leader = 1 if _same(now[0], self._last[0]) else 0
+        view = of_address(self._addresses[1 - leader])[1].spaces.active.region_3d
+        home, other = self._home[leader], self._home[1 - leader]
+        way, turn, location, distance = now[leader]
+        scale = other[3] / home[3]
+        view.view_perspective = "PERSP" if way == "CAMERA" else way
+        view.view_rotation = turn
+        view.view_location = other[2] + (location - home[2]) * scale
+        view.view_distance = distance * scale
+        self._last = self._states()
+
+    def _states(self):
+        return list(looks(self._addresses).values())
+
+
+def _same(one, other):
+    parts = ((np.array(a), np.array(b)) for a, b in zip(one[1:], other[1:], strict=True))
+    return one[0] == other[0] and all(np.allclose(a, b, rtol=1e-5, atol=1e-6) for a, b in parts)
+
+
+def looks(addresses):
+    """Where 3D views look, by address, for ``look_again``."""
+    found = {address: of_address(address) for address in addresses}
+    return {address: _look(one[1].spaces.active.region_3d) for address, one in found.items() if one}
+
+
+def look_again(looks):
+    """Has views look where they looked; what was closed meanwhile is left alone."""
+    for address, values in looks.items():
+        found = of_address(address)
+        if found:
+            for name, value in zip(_LOOK, values, strict=True):
+                setattr(found[1].spaces.active.region_3d, name, value)
+
+
+_LOOK = "view_perspective", "view_rotation", "view_location", "view_distance"
+
+
+def _look(view):
+    values = (getattr(view, name) for name in _LOOK)
+    return [value if isinstance(value, (str, float)) else value.copy() for value in values]

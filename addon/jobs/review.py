@@ -1,0 +1,131 @@
+"""Review: transferred keys looked at one by one on both meshes, and nothing left changed afterwards.
+
+A key is shown by pinning it (Only Show Active): whatever its value, its drivers and those of the others are,
+it alone is seen, at 1, and there is no value to give back. A muted key is heard as long as it is shown.
+"""
+
+import bpy
+
+from ..bridge import checks, shape_keys
+from ..core.quality import badness
+from ..core.refused import Refused
+
+
+class Review:
+    """The objects of source and target by name, what they showed before, and the key that they show now."""
+
+    def __init__(self, context, sides):
+        """``sides`` are the objects of the source and of the target."""
+        for obj in (obj for side in sides for obj in side):
+            if obj.mode != "OBJECT":
+                raise Refused(f"'{obj.name}' is in {obj.mode.lower()} mode: go to Object Mode first")
+        settings, layer = context.scene.lissom_transfer, context.view_layer
+        self._sides = [[obj.name for obj in side] for side in sides]
+        self._shown = {
+            obj.name: (obj.active_shape_key_index, obj.show_only_shape_key) for side in sides for obj in side
+        }
+        self._active = layer.objects.active and layer.objects.active.name
+        self._selected = [obj.name for obj in context.selected_objects]
+        self._row = settings.active_quality
+        self._muted = []  # (object, key) that are not as long as they are shown
+        self.key, self.on = "", True
+        rows = order(settings)
+        if not rows:
+            raise Refused("Transfer with Check Quality first")
+        settings.active_quality = rows[0]
+        self.show(settings)
+
+    def _objects(self, side):
+        return [obj for obj in map(bpy.data.objects.get, self._sides[side]) if obj is not None]
+
+    def show(self, settings):
+        """Shows the key of the active row on both sides, or where that is switched off the Basis."""
+        if settings.active_quality >= len(settings.quality):
+            return
+        row = settings.quality[settings.active_quality]
+        self._mute()
+        self.key = row.name
+        for side, name in ((0, row.source or row.name), (1, row.name)):
+            for obj in self._objects(side):
+                keys = obj.data.shape_keys
+                place = keys.key_blocks.find(name) if keys and self.on else 0
+                obj.active_shape_key_index = max(place, 0)
+                obj.show_only_shape_key = True
+                if place > 0 and keys.key_blocks[place].mute:  # pinned, it would show the Basis
+                    keys.key_blocks[place].mute = False
+                    self._muted.append((obj.name, name))
+
+    def _mute(self):
+        for name, key in self._muted:
+            obj = bpy.data.objects.get(name)
+            keys = obj.data.shape_keys if obj is not None else None
+            if keys and key in keys.key_blocks:
+                keys.key_blocks[key].mute = True
+        self._muted.clear()
+
+    def step(self, settings, by):
+        """Goes on to the row so many places further, as the list shows them."""
+        rows = order(settings)
+        if rows:
+            place = rows.index(settings.active_quality) if settings.active_quality in rows else 0
+            self.on = True
+            settings.active_quality = rows[min(max(place + by, 0), len(rows) - 1)]
+            self.show(settings)
+
+    def toggle(self, settings):
+        """Switches between the key and the Basis."""
+        self.on = not self.on
+        self.show(settings)
+
+    @property
+    def mending(self):
+        """The object of the target that is in another mode than Object Mode, or None."""
+        return next((obj for obj in self._objects(1) if obj.mode != "OBJECT"), None)
+
+    def mend(self, context):
+        """Opens the shown key on the target for sculpting."""
+        self.on = True
+        self.show(context.scene.lissom_transfer)
+        found = [
+            obj
+            for obj in self._objects(1)
+            if obj.data.shape_keys and self.key in obj.data.shape_keys.key_blocks
+        ]
+        if not found:
+            raise Refused(f"The target has no shape key named '{self.key}' any more")
+        obj = found[0]
+        checks.require_writable(obj)
+        checks.require_unlocked([shape_keys.find(obj, self.key)])
+        for other in context.selected_objects:
+            other.select_set(False)
+        obj.select_set(True)
+        context.view_layer.objects.active = obj
+        bpy.ops.object.mode_set(mode="SCULPT")
+
+    def rest(self, context):
+        """Back from mending a key to looking at it."""
+        obj = self.mending
+        if obj is not None:
+            context.view_layer.objects.active = obj
+            bpy.ops.object.mode_set(mode="OBJECT")
+        self.show(context.scene.lissom_transfer)
+
+    def leave(self, context):
+        """Gives everything back as it was before, but for what was mended."""
+        self.rest(context)
+        self._mute()
+        settings, layer = context.scene.lissom_transfer, context.view_layer
+        settings.active_quality = self._row
+        for name, (place, only) in self._shown.items():
+            obj = bpy.data.objects.get(name)
+            if obj is not None:
+                obj.active_shape_key_index, obj.show_only_shape_key = place, only
+        for obj in layer.objects:
+            obj.select_set(obj.name in self._selected)
+        layer.objects.active = layer.objects.get(self._active) if self._active else None
+
+
+def order(settings):
+    """The places of the rows of the table in the order of the review: the worst first."""
+    rows, by = settings.quality, settings.quality_order
+    return sorted(range(len(rows)), key=lambda place: badness(rows[place], by), reverse=True)

@@ -1,0 +1,77 @@
+"""The table of transferred keys with their verdicts, and the review of them one by one."""
+
+import bpy
+
+from ..bridge.written import is_edited
+from ..core.quality import ORDERS, badness
+from .common import draw_lines
+
+VERDICT_ICONS = {"good": "CHECKMARK", "look": "INFO", "bad": "ERROR"}
+
+
+class LISSOM_UL_quality(bpy.types.UIList):
+    """The keys with what was said about each, the worst first."""
+
+    bl_idname = "LISSOM_UL_quality"
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property):
+        row = layout.row(align=True)
+        row.alert = item.verdict == "bad"
+        row.label(text=item.name, translate=False, icon=VERDICT_ICONS[item.verdict])
+        if data.target is not None and is_edited(data.target, item.name):
+            row.label(text="", icon="SCULPTMODE_HLT")
+        if data.quality_order != "verdict":  # the reasons of the active row are below the table
+            said = row.row()
+            said.alignment = "RIGHT"
+            said.label(text=ORDERS[data.quality_order][1](item))
+
+    def filter_items(self, context, data, property_name):
+        rows = getattr(data, property_name)
+        helper = bpy.types.UI_UL_list
+        flags = []
+        if self.filter_name:
+            flags = helper.filter_items_by_name(self.filter_name, self.bitflag_filter_item, rows)
+        rows = list(enumerate(rows))
+        return flags, helper.sort_items_helper(
+            rows, lambda pair: badness(pair[1], data.quality_order), reverse=True
+        )
+
+
+def draw_quality(layout, settings):
+    """The table, the review of it, and its file."""
+    if not len(settings.quality):
+        return
+    row = layout.row()
+    row.scale_y = 1.4
+    row.operator("lissom.review", icon="VIS_SEL_11")
+    row = layout.row(align=True)
+    row.prop(settings, "quality_order", text="Worst by")
+    row.operator("lissom.quality_save", text="", icon="EXPORT")
+    _draw_table(layout, settings, 5)
+
+
+def draw_review(layout, settings):
+    """What the tab has while keys are looked at one by one."""
+    row = layout.row(align=True)
+    row.scale_y = 1.4
+    row.operator("lissom.review", text="Done", icon="CHECKMARK", depress=True)
+    row.operator("lissom.review_mend", icon="SCULPTMODE_HLT")
+    draw_lines(layout, "INFO", "Up and Down: another key. Space: the key on and off. Esc: done")
+    _draw_table(layout, settings, 15)
+
+
+def _draw_table(layout, settings, rows):
+    layout.template_list(
+        "LISSOM_UL_quality", "", settings, "quality", settings, "active_quality", rows=rows, sort_lock=True
+    )
+    if settings.active_quality >= len(settings.quality):
+        return
+    active = settings.quality[settings.active_quality]
+    for reason in active.reasons.splitlines():
+        draw_lines(layout, VERDICT_ICONS[active.verdict], reason.capitalize())
+    if active.faces not in ("", "{}"):
+        select = layout.operator("lissom.quality_select", icon="RESTRICT_SELECT_OFF")
+        select.key = active.name
+
+
+classes = (LISSOM_UL_quality,)

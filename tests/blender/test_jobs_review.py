@@ -1,0 +1,148 @@
+"""Review without a window: each key is shown on both meshes, and nothing is left changed."""
+
+import bpy
+import numpy as np
+import pytest
+import scene
+from bl_ext.user_default.lissom import session
+from bl_ext.user_default.lissom.bridge import shape_keys
+from bl_ext.user_default.lissom.core.refused import Refused
+from bl_ext.user_default.lissom.jobs.review import Review, order
+from numpy.testing import assert_allclose
+from test_panels import draw, text
+from test_transfer import monkeys
+
+
+@pytest.fixture
+def reviewed():
+    """A review of two keys, one of them driven; source, target and what was before."""
+    source, target = monkeys()
+    bpy.ops.lissom.transfer_keys()
+    target.data.shape_keys.key_blocks["ears"].driver_add("value").driver.expression = "0.25"
+    target.data.shape_keys.key_blocks["squash"].value = 0.5
+    target.active_shape_key_index, source.active_shape_key_index = 1, 2
+    source.show_only_shape_key = True
+    bpy.context.view_layer.objects.active = source
+    bpy.context.view_layer.update()
+    before = state()
+    review = Review(bpy.context, ([source], [target]))
+    session.review = review
+    yield review, source, target, before
+    session.review = None
+
+
+def state():
+    objects = [obj for obj in bpy.data.objects if obj.type == "MESH"]
+    return {
+        obj.name: (
+            obj.active_shape_key_index,
+            obj.show_only_shape_key,
+            obj.mode,
+            obj.select_get(),
+            [(key.value, key.mute) for key in obj.data.shape_keys.key_blocks],
+        )
+        for obj in objects
+    } | {"": (bpy.context.view_layer.objects.active.name, settings().active_quality)}
+
+
+def alone(obj, name):
+    """What a key shows at 1, by itself and where its vertex group lets it."""
+    return shape_keys.seen(obj, obj.data.shape_keys.key_blocks[name])
+
+
+def settings():
+    return bpy.context.scene.lissom_transfer
+
+
+def test_the_worst_key_is_shown_first_and_alone_on_both(reviewed):
+    review, source, target, _ = reviewed
+    rows = [settings().quality[place].name for place in order(settings())]
+    assert review.key == rows[0]
+    for step, name in ((0, rows[0]), (1, rows[1]), (1, rows[1]), (-1, rows[0])):
+        review.step(settings(), step)
+        assert review.key == name
+        for obj in (source, target):
+            assert_allclose(scene.shown(obj), alone(obj, name), atol=1e-6)
+
+
+def test_space_shows_what_is_at_rest_and_a_click_any_key(reviewed):
+    review, source, target, _ = reviewed
+    review.toggle(settings())
+    for obj in (source, target):
+        assert_allclose(scene.shown(obj), scene.key_points(obj, "Basis"), atol=1e-6)
+    review.toggle(settings())
+    for place, row in enumerate(settings().quality):
+        settings().active_quality = place  # as a click in the list
+        assert review.key == row.name
+        assert_allclose(scene.shown(target), alone(target, row.name), atol=1e-6)
+
+
+def test_a_key_of_another_name_is_shown_beside_its_source():
+    source, target = monkeys()
+    bpy.ops.lissom.transfer_keys()
+    bpy.ops.lissom.transfer_keys(exists="RENAME")
+    review = Review(bpy.context, ([source], [target]))
+    assert review.key.endswith(".001")
+    assert_allclose(scene.shown(source), alone(source, review.key[:-4]), atol=1e-6)
+    review.leave(bpy.context)
+
+
+def test_nothing_is_left_changed(reviewed):
+    review, _, _, before = reviewed
+    review.step(settings(), 1)
+    review.toggle(settings())
+    session.review = None
+    review.leave(bpy.context)
+    assert state() == before
+
+
+def test_a_key_is_opened_for_sculpting_and_what_is_mended_stays(reviewed):
+    review, _, target, before = reviewed
+    review.mend(bpy.context)
+    assert review.mending == target and target.mode == "SCULPT"
+    assert target.active_shape_key.name == review.key and target.show_only_shape_key
+    review.rest(bpy.context)
+    assert review.mending is None
+    key = target.data.shape_keys.key_blocks[review.key]
+    key.data[5].co.x += 0.25
+    mended = np.array(key.data[5].co)
+    session.review = None
+    review.leave(bpy.context)
+    assert state() == before
+    assert_allclose(key.data[5].co, mended)
+
+
+def test_leaving_while_a_key_is_open_closes_it(reviewed):
+    review, _, target, before = reviewed
+    review.mend(bpy.context)
+    session.review = None
+    review.leave(bpy.context)
+    assert target.mode == "OBJECT" and state() == before
+
+
+def test_a_locked_key_is_not_opened(reviewed):
+    review, _, target, _ = reviewed
+    target.data.shape_keys.key_blocks[review.key].lock_shape = True
+    with pytest.raises(Refused, match="is locked"):
+        review.mend(bpy.context)
+    assert target.mode == "OBJECT"
+
+
+def test_objects_in_edit_mode_and_an_empty_table_are_refused():
+    source, target = monkeys()
+    with pytest.raises(Refused, match="Transfer with Check Quality first"):
+        Review(bpy.context, ([source], [target]))
+    bpy.ops.lissom.transfer_keys()
+    bpy.context.view_layer.objects.active = target
+    bpy.ops.object.mode_set(mode="EDIT")
+    before = state()
+    with pytest.raises(Refused, match="'Target' is in edit mode"):
+        Review(bpy.context, ([source], [target]))
+    assert state() == before
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_the_tab_has_nothing_else_while_keys_are_reviewed(reviewed):
+    drawn = draw(bpy.types.LISSOM_PT_transfer)
+    assert set(drawn["operators"]) <= {"lissom.review", "lissom.review_mend", "lissom.quality_select"}
+    assert "LISSOM_UL_quality" in drawn["classes"] and "Esc: done" in text(drawn)
