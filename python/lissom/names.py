@@ -1,139 +1,121 @@
-"""Names of facial shape keys, and of which others each set's are sums.
+"""What face keys are called elsewhere: ARKit's 52, VRM's expressions and 15 visemes, as sums of ICT FaceKit's.
 
-ARKit's are in Apple's order and spelling (``ARFaceAnchor.BlendShapeLocation``), from those of the ICT face;
-VRM 1.0's preset expressions and the 15 visemes of Oculus's lip sync are combinations of ARKit's, by weights of
-our own.
+The names are those of Apple's ``ARFaceAnchor.BlendShapeLocation``, of the VRM 1.0 specification
+(``VRMC_vrm.expressions``) and of the Oculus lip sync's visemes as engines know them. The sums of VRM and of
+the visemes are ours: a start, to be corrected by eye.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from numpy.typing import ArrayLike, NDArray
-
-    Weights = Mapping[str, float]
-
-__all__ = ["ARKIT", "SETS", "VISEMES", "VRM", "combined"]
+from numpy.typing import ArrayLike, NDArray
 
 _SIDES = {"Left": "_L", "Right": "_R"}
-_WHOLE = ("jawLeft", "jawRight", "mouthLeft", "mouthRight")  # go to a side, and have none
-_SUMS = ("browInnerUp", "cheekPuff")  # of two sides that ARKit does not tell apart
-_ORDER = [
-    "eyeBlinkLeft", "eyeLookDownLeft", "eyeLookInLeft", "eyeLookOutLeft", "eyeLookUpLeft", "eyeSquintLeft",
-    "eyeWideLeft", "eyeBlinkRight", "eyeLookDownRight", "eyeLookInRight", "eyeLookOutRight", "eyeLookUpRight",
-    "eyeSquintRight", "eyeWideRight", "jawForward", "jawLeft", "jawRight", "jawOpen", "mouthClose",
-    "mouthFunnel", "mouthPucker", "mouthLeft", "mouthRight", "mouthSmileLeft", "mouthSmileRight",
-    "mouthFrownLeft", "mouthFrownRight", "mouthDimpleLeft", "mouthDimpleRight", "mouthStretchLeft",
-    "mouthStretchRight", "mouthRollLower", "mouthRollUpper", "mouthShrugLower", "mouthShrugUpper",
-    "mouthPressLeft", "mouthPressRight", "mouthLowerDownLeft", "mouthLowerDownRight", "mouthUpperUpLeft",
-    "mouthUpperUpRight", "browDownLeft", "browDownRight", "browInnerUp", "browOuterUpLeft",
-    "browOuterUpRight", "cheekPuff", "cheekSquintLeft", "cheekSquintRight", "noseSneerLeft", "noseSneerRight",
-    "tongueOut",
-]  # fmt: skip
+
+# Apple's order and spelling.
+_ARKIT: list[str] = """
+    eyeBlinkLeft eyeLookDownLeft eyeLookInLeft eyeLookOutLeft eyeLookUpLeft eyeSquintLeft eyeWideLeft
+    eyeBlinkRight eyeLookDownRight eyeLookInRight eyeLookOutRight eyeLookUpRight eyeSquintRight eyeWideRight
+    jawForward jawLeft jawRight jawOpen mouthClose mouthFunnel mouthPucker mouthLeft mouthRight
+    mouthSmileLeft mouthSmileRight mouthFrownLeft mouthFrownRight mouthDimpleLeft mouthDimpleRight
+    mouthStretchLeft mouthStretchRight mouthRollLower mouthRollUpper mouthShrugLower mouthShrugUpper
+    mouthPressLeft mouthPressRight mouthLowerDownLeft mouthLowerDownRight mouthUpperUpLeft mouthUpperUpRight
+    browDownLeft browDownRight browInnerUp browOuterUpLeft browOuterUpRight cheekPuff cheekSquintLeft
+    cheekSquintRight noseSneerLeft noseSneerRight tongueOut
+""".split()  # noqa: SIM905
+_BOTH = ("browInnerUp", "cheekPuff")  # of two sides in ICT FaceKit, of one in ARKit
 
 
-def _of_ict(name: str) -> Weights:
-    if name in _SUMS:
+def _ict(name: str) -> dict[str, float]:
+    """{ICT's key: amount} of one of ARKit's."""
+    if name in _BOTH:
         return {f"{name}_L": 1.0, f"{name}_R": 1.0}
-    side = next((side for side in _SIDES if name.endswith(side) and name not in _WHOLE), "")
-    return {name.removesuffix(side) + _SIDES.get(side, ""): 1.0}
+    for side, letter in _SIDES.items():
+        if name.endswith(side) and name not in ("jawLeft", "jawRight", "mouthLeft", "mouthRight"):
+            return {name.removesuffix(side) + letter: 1.0}
+    return {name: 1.0}
 
 
-def _both(**weights: float) -> Weights:
-    return {name + side: weight for name, weight in weights.items() for side in _SIDES}
+def _sum(text: str) -> dict[str, float]:
+    """{ICT's key: amount} of "jawOpen 0.6, mouthSmile 0.4": a name without a side stands for both sides."""
+    found: dict[str, float] = {}
+    for part in filter(None, (part.strip() for part in text.split(","))):
+        name, amount = part.split()
+        for one in _ARKIT:
+            if one in (name, f"{name}Left", f"{name}Right"):
+                found |= {key: share * float(amount) for key, share in _ict(one).items()}
+    return found
 
 
-ARKIT: Mapping[str, Weights] = {name: _of_ict(name) for name in _ORDER}
-"""The 52, of the ICT face's names."""
-
-VRM: Mapping[str, Weights] = {
-    "happy": {**_both(mouthSmile=0.8, cheekSquint=0.5, eyeSquint=0.3), "browInnerUp": 0.2},
-    "angry": _both(browDown=1.0, noseSneer=0.5, mouthFrown=0.4, mouthPress=0.4, eyeSquint=0.3),
-    "sad": {"browInnerUp": 0.9, **_both(mouthFrown=0.7, eyeLookDown=0.2), "mouthShrugLower": 0.3},
-    "relaxed": _both(mouthSmile=0.3, eyeBlink=0.3, eyeSquint=0.2),
-    "surprised": {"browInnerUp": 0.8, **_both(browOuterUp=0.8, eyeWide=0.8), "jawOpen": 0.35},
-    "aa": {"jawOpen": 0.6, **_both(mouthLowerDown=0.2, mouthUpperUp=0.1)},
-    "ih": {"jawOpen": 0.2, **_both(mouthStretch=0.4, mouthLowerDown=0.3, mouthUpperUp=0.2)},
-    "ou": {"jawOpen": 0.15, "mouthPucker": 0.7, "mouthFunnel": 0.3},
-    "ee": {"jawOpen": 0.15, **_both(mouthSmile=0.4, mouthStretch=0.3, mouthLowerDown=0.3)},
-    "oh": {"jawOpen": 0.4, "mouthFunnel": 0.6, "mouthPucker": 0.2},
-    "blink": _both(eyeBlink=1.0),
-    "blinkLeft": {"eyeBlinkLeft": 1.0},
-    "blinkRight": {"eyeBlinkRight": 1.0},
-    "lookUp": _both(eyeLookUp=1.0),
-    "lookDown": _both(eyeLookDown=1.0),
-    "lookLeft": {"eyeLookOutLeft": 1.0, "eyeLookInRight": 1.0},
-    "lookRight": {"eyeLookInLeft": 1.0, "eyeLookOutRight": 1.0},
+_VRM = {
+    "happy": "mouthSmile 0.8, cheekSquint 0.6, eyeSquint 0.3, browOuterUp 0.2",
+    "angry": "browDown 1, noseSneer 0.5, mouthFrown 0.5, mouthPress 0.4, eyeSquint 0.3",
+    "sad": "browInnerUp 0.9, mouthFrown 0.7, eyeSquint 0.2, mouthShrugLower 0.3",
+    "relaxed": "mouthSmile 0.35, eyeSquint 0.2, eyeBlink 0.25",
+    "surprised": "browInnerUp 0.8, browOuterUp 0.8, eyeWide 0.8, jawOpen 0.35",
+    "aa": "jawOpen 0.65, mouthLowerDown 0.2, mouthUpperUp 0.1",
+    "ih": "jawOpen 0.2, mouthStretch 0.45, mouthSmile 0.15, mouthLowerDown 0.2",
+    "ou": "jawOpen 0.15, mouthPucker 0.8, mouthFunnel 0.3",
+    "ee": "jawOpen 0.25, mouthSmile 0.35, mouthStretch 0.35, mouthLowerDown 0.3, mouthUpperUp 0.15",
+    "oh": "jawOpen 0.45, mouthFunnel 0.6, mouthPucker 0.2",
+    "blink": "eyeBlink 1",
+    "blinkLeft": "eyeBlinkLeft 1",
+    "blinkRight": "eyeBlinkRight 1",
+    "lookUp": "eyeLookUp 1",
+    "lookDown": "eyeLookDown 1",
+    "lookLeft": "eyeLookOutLeft 1, eyeLookInRight 1",
+    "lookRight": "eyeLookInLeft 1, eyeLookOutRight 1",
+    "neutral": "",
 }
-"""VRM 1.0's preset expressions but ``neutral``, of ARKit's names."""
-
-VISEMES: Mapping[str, Weights] = {
-    "viseme_sil": {},
-    "viseme_PP": {"mouthRollLower": 0.3, "mouthRollUpper": 0.3, **_both(mouthPress=0.6)},
-    "viseme_FF": {"jawOpen": 0.1, "mouthRollLower": 0.5, **_both(mouthUpperUp=0.4, mouthLowerDown=0.1)},
-    "viseme_TH": {"jawOpen": 0.2, **_both(mouthUpperUp=0.2, mouthLowerDown=0.3)},
-    "viseme_DD": {"jawOpen": 0.15, **_both(mouthUpperUp=0.2, mouthLowerDown=0.4)},
-    "viseme_kk": {"jawOpen": 0.25, **_both(mouthUpperUp=0.2, mouthStretch=0.2)},
-    "viseme_CH": {"jawOpen": 0.1, "mouthFunnel": 0.6, "mouthPucker": 0.2},
-    "viseme_SS": {"jawOpen": 0.05, **_both(mouthStretch=0.4, mouthLowerDown=0.4, mouthUpperUp=0.2)},
-    "viseme_nn": {"jawOpen": 0.15, **_both(mouthLowerDown=0.3, mouthUpperUp=0.1)},
-    "viseme_RR": {"jawOpen": 0.15, "mouthFunnel": 0.4, "mouthPucker": 0.1},
-    "viseme_aa": VRM["aa"],
-    "viseme_E": {"jawOpen": 0.3, **_both(mouthStretch=0.3, mouthLowerDown=0.3, mouthSmile=0.2)},
-    "viseme_ih": VRM["ih"],
-    "viseme_oh": VRM["oh"],
-    "viseme_ou": VRM["ou"],
+_VISEMES = {
+    "viseme_sil": "",
+    "viseme_PP": "mouthPress 0.6, mouthRollLower 0.35, mouthRollUpper 0.3",
+    "viseme_FF": "jawOpen 0.08, mouthRollLower 0.6, mouthUpperUp 0.3",
+    "viseme_TH": "jawOpen 0.2, mouthLowerDown 0.3, mouthUpperUp 0.1",
+    "viseme_DD": "jawOpen 0.18, mouthLowerDown 0.25, mouthStretch 0.15",
+    "viseme_kk": "jawOpen 0.25, mouthLowerDown 0.2, mouthUpperUp 0.15",
+    "viseme_CH": "jawOpen 0.12, mouthFunnel 0.55, mouthUpperUp 0.15",
+    "viseme_SS": "jawOpen 0.06, mouthStretch 0.45, mouthLowerDown 0.3, mouthUpperUp 0.15",
+    "viseme_nn": "jawOpen 0.15, mouthLowerDown 0.2, mouthStretch 0.1",
+    "viseme_RR": "jawOpen 0.15, mouthFunnel 0.4, mouthPucker 0.2",
+    "viseme_aa": "jawOpen 0.65, mouthLowerDown 0.2, mouthUpperUp 0.1",
+    "viseme_E": "jawOpen 0.3, mouthStretch 0.35, mouthSmile 0.2, mouthLowerDown 0.25",
+    "viseme_I": "jawOpen 0.2, mouthStretch 0.45, mouthSmile 0.15, mouthLowerDown 0.2",
+    "viseme_O": "jawOpen 0.45, mouthFunnel 0.6, mouthPucker 0.2",
+    "viseme_U": "jawOpen 0.15, mouthPucker 0.8, mouthFunnel 0.3",
 }
-"""Oculus's visemes in its order, of ARKit's names."""
 
-SETS: Mapping[str, Mapping[str, Weights]] = {"ARKIT": ARKIT, "VRM": VRM, "VISEMES": VISEMES}
+TABLES: dict[str, dict[str, dict[str, float]]] = {
+    "ARKIT": {name: _ict(name) for name in _ARKIT},
+    "VRM": {name: _sum(text) for name, text in _VRM.items()},
+    "VISEMES": {name: _sum(text) for name, text in _VISEMES.items()},
+}
+"""{set: {name: {ICT's key: amount}}}, in the order of their sources."""
+
+SETS = ("ARKIT", "ICT", "VRM", "VISEMES")
 
 
 def combined(
-    wanted: str | Mapping[str, Weights], names: Sequence[str], offsets: ArrayLike
-) -> tuple[list[str], NDArray[np.float64], dict[str, list[str]]]:
-    """The keys of a set as sums of others.
+    kind: str, names: Sequence[str], offsets: ArrayLike
+) -> tuple[list[str], NDArray[Any], list[str]]:
+    """The keys of a set as sums of ICT FaceKit's.
 
-    wanted: one of ``SETS``, or such a table.
-    names: those of the k ``offsets`` (k, n, 3), displacements from rest: ICT's or ARKit's.
-
-    Returns the names of the m keys that can be made, in the set's order; their offsets (m, n, 3); and of each
-    that cannot be made what it lacks, as ARKit's ``tongueOut`` does without a tongue's key.
-
-    Raises KeyError for an unknown set, ValueError for another number of names or a name that comes twice.
+    ``kind`` is one of ``SETS``, ``names`` (k,) ICT's with ``offsets`` (k, ...) of any shape. Returns the names
+    in the set's order, their offsets (m, ...), and the names that are left out, for want of what they are made
+    of. Raises ``ValueError`` for another set.
     """
-    given = np.asarray(offsets, dtype=np.float64)
-    if given.ndim != 3 or len(given) != len(names):
-        raise ValueError(f"offsets: shape {given.shape} with {len(names)} names: (k, n, 3) for k names")
-    place = {name: i for i, name in enumerate(names)}
-    if len(place) < len(names):
-        twice = next(name for i, name in enumerate(names) if place[name] != i)
-        raise ValueError(f"names: '{twice}' comes twice")
-    table = SETS[wanted] if isinstance(wanted, str) else wanted
-    made, sums, lacking = [], [], {}
-    for name, weights in table.items():
-        row = {name: 1.0} if name in place and table is ARKIT else _primitives(weights, place)
-        missing = [part for part in row if part not in place]
-        if missing:
-            lacking[name] = missing
-            continue
-        made.append(name)
-        total = np.zeros(given.shape[1:])
-        for part, weight in row.items():
-            total += weight * given[place[part]]
-        sums.append(total)
-    return made, np.array(sums).reshape(-1, *given.shape[1:]), lacking
-
-
-def _primitives(weights: Weights, place: Mapping[str, int]) -> dict[str, float]:
-    """Weights of the names that there are, through what ARKit's names are made of where these are not."""
-    found: dict[str, float] = {}
-    for name, weight in weights.items():
-        for part, share in {name: 1.0}.items() if name in place else ARKIT.get(name, {name: 1.0}).items():
-            found[part] = found.get(part, 0.0) + weight * share
-    return found
+    if kind not in SETS:
+        raise ValueError(f"kind: expected one of {', '.join(SETS)}, not {kind!r}")
+    names, offsets = list(names), np.asarray(offsets)
+    if kind == "ICT":
+        return names, offsets, []
+    place = {name: number for number, name in enumerate(names)}
+    table = TABLES[kind]
+    left = [name for name, parts in table.items() if not set(parts) <= place.keys()]
+    kept = [name for name in table if name not in left]
+    found = np.zeros((len(kept), *offsets.shape[1:]), dtype=offsets.dtype)
+    for row, name in zip(found, kept, strict=True):
+        for part, amount in table[name].items():
+            row += amount * offsets[place[part]]
+    return kept, found, left

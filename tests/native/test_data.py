@@ -79,7 +79,7 @@ def test_a_part_of_it_is_the_same_face(face):
 
 def test_it_is_the_face_that_was_packed(face, data):
     """To the rounding that it states, against the archives it was made of."""
-    full, people = data("ict_face.npz"), data("ict_identities.npz")
+    full, people = data("ict_face"), data("ict_identities")
     kept = np.r_[0:22221, 23021:23791]
 
     def away(own, theirs):
