@@ -2,6 +2,7 @@
 # make gallery    the thesis's and the survey's poses by all methods; the latter needs LISSOM_DATA
 # make test       every test: core, binding, add-on logic, and inside real Blenders
 # make lint       rustfmt, clippy, ruff, mypy and its stubtest
+# make audit      licences, known flaws and doubles of what we take in, and the workflows; needs cargo-deny
 # make bench      measured against libigl and Blender's Laplacian Deform; needs LISSOM_DATA
 # make docs       the manual as a site: .venv/docs/site/index.html
 # make extension  dist/lissom-<version>-<platform>.zip, for Blender's "Install from Disk"
@@ -21,7 +22,7 @@ TOOLS := .venv/tools/ready
 WHEEL := dist/wheel.stamp
 
 .SECONDARY:
-.PHONY: all demo gallery test test-rust test-native test-blender lint extension bench docs clean
+.PHONY: all demo gallery test test-rust test-native test-blender lint audit extension bench docs clean
 all: extension
 
 # --- tools, wheel, Blenders -------------------------------------------------------------------------
@@ -34,7 +35,7 @@ $(TOOLS): Makefile
 		'mypy>=1.15,<2' 'hypothesis>=6,<7' 'grimp>=3,<4'
 	touch $@
 
-$(WHEEL): $(TOOLS) $(RUST) $(PYTHON_SOURCE) LICENSE
+$(WHEEL): $(TOOLS) $(RUST) $(PYTHON_SOURCE) LICENSE THIRD_PARTY.txt
 	rm -f dist/*.whl
 	.venv/tools/bin/maturin build --release --locked --interpreter .venv/tools/bin/python -o dist
 	.venv/tools/bin/python $(PIP_INSTALL) --force-reinstall --no-deps dist/*.whl
@@ -80,6 +81,17 @@ lint: $(WHEEL)
 	.venv/tools/bin/ruff format --check .
 	.venv/tools/bin/mypy --strict --python-executable .venv/tools/bin/python python/lissom
 	.venv/tools/bin/python -m mypy.stubtest lissom
+	.venv/tools/bin/python tools/licences.py --check
+
+audit: $(TOOLS) .venv/audit/ready
+	cargo deny check
+	.venv/audit/bin/pip-audit --progress-spinner off --path $(wildcard .venv/tools/lib/python*/site-packages)
+	.venv/audit/bin/zizmor --offline --quiet .github
+
+.venv/audit/ready: Makefile
+	$(PYTHON) -m venv .venv/audit
+	.venv/audit/bin/python $(PIP_INSTALL) 'pip-audit>=2,<3' 'zizmor>=1,<2'
+	touch $@
 
 # Strict: dead links and pages that nothing leads to are errors.
 docs: .venv/docs/ready

@@ -1,8 +1,12 @@
 """Lissom: pose meshes by handles, transfer shape keys between meshes, and bake in-betweens along an arc."""
 
-import bpy
+import pathlib
 
-from . import commands, live, preferences, rebind, watch
+import bpy
+import lissom
+
+from . import commands, live, preferences, rebind, session, watch
+from .core import build
 from .drawing import ghost, guide, marks
 from .operators import (
     inbetween_all,
@@ -77,6 +81,9 @@ _CLASSES = [cls for module in _MODULES for cls in module.classes]
 
 
 def register():
+    session.other_build = build.differs(pathlib.Path(__file__).with_name("wheels"), lissom.__file__)
+    if session.other_build:
+        print(f"Lissom: {build.MESSAGE}")
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     for module in _PROPERTIES:

@@ -19,6 +19,7 @@ picking = None  # core.picking.Picking while markers are picked
 stale = {}  # session_uid of a mesh object -> names of its arcs whose ends were changed since they were baked
 review = None  # jobs.review.Review while transferred keys are looked at
 views = None  # (the area that was split, the new one), by their addresses, while there are two for picking
+other_build = False  # whether the native part is of another build than the extension
 history = 0  # counts undo, redo and file loading
 
 

@@ -1,9 +1,9 @@
-"""An arm that bends by its bone: by weights as skinning does, and by an arc whose slider the bone drives."""
+"""An arm that bends by its bone: by weights, with a corrective on top, and by an arc that the bone drives."""
 
 import bpy
 import numpy as np
 import scene
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 from studio import Tile
 
 BEND = 120.0  # degrees
@@ -11,20 +11,24 @@ SHOWN = (0.0, 0.5, 1.0)  # of the bend
 TOLERANCE = 0.004  # of the arm's length of 3.2
 LENGTH, AROUND, RINGS = 1.6, 48, 121  # of upper arm and forearm, from the elbow at the origin
 ELBOW = 0.5  # how far from it the bones hold the arm
-UPPER, FOREARM, BENT, SLIDER = "upper arm", "forearm", "bent", "bend"
+UPPER, FOREARM, TIP = "upper arm", "forearm", "elbow"
+MENDED, BENT, SLIDER = "elbow mended", "bent", "bend"
+PULL = 0.14  # of the elbow's tip, out of the bend
 
 
 def run(given, made, studio, picture):
     """Poses, bakes and drives by operators, as docs/tutorials/arm.md tells; returns figures."""
     into = scene.collection("7 Elbow")
     rig, arm = skeleton(into), tube("Arm", made, into)
-    skinned = tube("Skinned arm", given, into)
-    skinned.modifiers.new("Armature", "ARMATURE").object = rig
+    skinned, corrected = tube("Skinned arm", given, into), tube("Skinned arm, corrected", made, into)
+    for obj in (skinned, corrected):
+        obj.modifiers.new("Armature", "ARMATURE").object = rig
+    correct(corrected, rig)
     bend(arm)
     drive(arm, rig)
 
     rows, area = [], {}
-    for label, obj in (("by weights", skinned), ("Lissom", arm)):
+    for label, obj in (("by weights", skinned), ("corrected", corrected), ("arc", arm)):
         rows.append([])
         for part in SHOWN:
             rig.pose.bones[FOREARM].rotation_euler.z = -np.radians(BEND) * part
@@ -36,17 +40,31 @@ def run(given, made, studio, picture):
     return {
         "keys": len(arm.lissom_inbetween.arcs[SLIDER].keys),
         "section_percent": {
-            label: 100 * area[label, 1.0] / area[label, 0.0] for label in ("by weights", "Lissom")
+            label: 100 * area[label, 1.0] / area[label, 0.0] for label in ("by weights", "corrected", "arc")
         },
     }
 
 
+def correct(obj, rig):
+    """A key that mends the bent elbow, through the weights, and the bone that drives it."""
+    rig.pose.bones[FOREARM].rotation_euler.z = -np.radians(BEND)
+    bpy.context.view_layer.update()
+    for name in (f"held {UPPER}", f"held {FOREARM}", TIP):
+        scene.run(bpy.ops.lissom.pose_handle_add, object=obj.name, vertex_group=name)
+    scene.run(bpy.ops.lissom.pose_bind, object=obj.name)
+    half = np.radians(BEND / 2)
+    obj.lissom_pose.handles[TIP].empty.location += PULL * Vector((-np.cos(half), 0, np.sin(half)))
+    scene.run(bpy.ops.lissom.pose_apply, object=obj.name, name=MENDED)
+    scene.run(bpy.ops.lissom.pose_unbind, object=obj.name)
+    scene.run(bpy.ops.lissom.pose_drive, object=obj.name, key=MENDED, armature=rig.name, bone=FOREARM)
+
+
 def bend(arm):
     """The shape at the end of the bend, by two handles, and the arc to it."""
-    for name in (UPPER, FOREARM):
+    for name in (f"held {UPPER}", f"held {FOREARM}"):
         scene.run(bpy.ops.lissom.pose_handle_add, object=arm.name, vertex_group=name)
     scene.run(bpy.ops.lissom.pose_bind, object=arm.name, solid=True)
-    empty = arm.lissom_pose.handles[FOREARM].empty
+    empty = arm.lissom_pose.handles[f"held {FOREARM}"].empty
     empty.matrix_world = Matrix.Rotation(np.radians(BEND), 4, "Y") @ empty.matrix_world
     scene.run(bpy.ops.lissom.pose_apply, object=arm.name, name=BENT, value=0.0)
     scene.run(bpy.ops.lissom.pose_unbind, object=arm.name)
@@ -109,11 +127,13 @@ def tube(name, skin, into):
     mesh.materials.append(skin)
     made = bpy.data.objects.new(name, mesh)
     into.objects.link(made)
-    skinned = "Skinned" in name
-    weight = np.clip(0.5 + vertices[:, 2] / (2 * ELBOW), 0, 1)
-    for group, weights in ((UPPER, 1 - weight), (FOREARM, weight)):
+    x, _, z = vertices.T
+    weight = np.clip(0.5 + z / (2 * ELBOW), 0, 1)
+    groups = {UPPER: 1 - weight, FOREARM: weight, TIP: ((np.abs(z) < 0.08) & (x < -0.2)).astype(float)}
+    groups |= {f"held {UPPER}": (weight == 0).astype(float), f"held {FOREARM}": (weight == 1).astype(float)}
+    for group, weights in groups.items():
         members = made.vertex_groups.new(name=group)
-        for vertex in np.flatnonzero(weights > 0 if skinned else weights == 1):
+        for vertex in np.flatnonzero(weights):
             members.add([int(vertex)], float(weights[vertex]), "REPLACE")
     return made
 

@@ -136,8 +136,8 @@ def _elbow(figures):
     yield "## An arm on its bone"
     yield (
         f"An arm bent by 120 degrees: its section at the elbow keeps {section['by weights']:.0f} % by "
-        f"weights and {section['Lissom']:.0f} % by an arc of {figures['keys']} shape keys whose slider the "
-        "bone drives."
+        f"weights, {section['corrected']:.0f} % with a corrective that the bone drives, and "
+        f"{section['arc']:.0f} % by an arc of {figures['keys']} shape keys whose slider the bone drives."
     )
     yield "![An arm on its bone](elbow.png)"
 

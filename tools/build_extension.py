@@ -61,7 +61,8 @@ def build(wheel, folder, website=None):
     sources = [p for p in sorted(ADDON.rglob("*")) if p.suffix == ".py"]
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         _add(archive, "blender_manifest.toml", text.encode())
-        _add(archive, "LICENSE", (ROOT / "LICENSE").read_bytes())
+        for notice in ("LICENSE", "THIRD_PARTY.txt"):
+            _add(archive, notice, (ROOT / notice).read_bytes())
         for source in sources:
             _add(archive, source.relative_to(ADDON).as_posix(), source.read_bytes())
         _add(archive, f"wheels/{wheel.name}", wheel.read_bytes())

@@ -33,6 +33,7 @@ KINDS = {
     "mesh": "a Mesh",
     "shapes": "list of (time, (n, 3) positions)",
     "planes": "list of (point, normal)",
+    "modes": "(k, n, 3) offsets",
 }
 TYPES = {
     "bool": "bool",
@@ -44,6 +45,7 @@ TYPES = {
     "mesh": "Mesh | None",
     "shapes": "Sequence[tuple[float, ArrayLike]] | None",
     "planes": "Sequence[tuple[ArrayLike, ArrayLike]] | None",
+    "modes": "ArrayLike | None",
 }
 # Class of the types, whose options it holds, and what the call names itself.
 CLASSES = (

@@ -22,6 +22,12 @@ def main(words):
     commands = parser.add_subparsers(dest="command", required=True)
     for name, module in COMMANDS.items():
         module.configure(commands.add_parser(name, help=module.SUMMARY, description=module.SUMMARY))
+    for word in words:
+        try:
+            word.encode()
+        except UnicodeEncodeError:  # names and paths in Blender are UTF-8
+            print(f"Error: {word!a} is not UTF-8: rename the file or folder first")
+            return BAD_INPUT
     try:
         arguments = parser.parse_args(words)
     except SystemExit as end:  # argparse has said why; --help ends with 0

@@ -7,6 +7,7 @@ import bpy
 from ..core.options import argument
 from ..core.refused import Refused
 from ..properties.image import LABELS
+from . import outputs
 
 SUMMARY = "make a flat mesh of an image, or lay a second image under the end of its arc"
 DONE, BAD_INPUT = 0, 2
@@ -42,7 +43,7 @@ def run(arguments):
         else:
             asked = {"object": arguments.object, "slider": arguments.slider}
             bpy.ops.lissom.inbetween_second_image(filepath=image, **asked)
-        bpy.ops.wm.save_as_mainfile(filepath=str(pathlib.Path(arguments.out).resolve()), copy=True)
+        outputs.save(arguments.out)
     except (Refused, RuntimeError) as error:
         print(f"Error: {str(error).removeprefix('Error: ').strip()}")
         return BAD_INPUT
@@ -50,12 +51,7 @@ def run(arguments):
 
 
 def _check(arguments):
-    for name in ("image", "second", "file"):
-        path = getattr(arguments, name)
-        if path and not pathlib.Path(path).is_file():
-            raise Refused(f"--{name}: there is no file '{path}'")
-    if not pathlib.Path(arguments.out).resolve().parent.is_dir():
-        raise Refused(f"--out: there is no folder for '{arguments.out}'")
+    outputs.check(arguments, ("image", "second", "file"), ("out",))
     if arguments.second and not (arguments.file and arguments.object):
         raise Refused("--second: say by --file and --object which mesh gets it")
     if not arguments.height > 0:

@@ -1,6 +1,5 @@
 """``blender --command lissom inbetween``: bakes arcs in a file, by the operator of the panel."""
 
-import json
 import pathlib
 import time
 
@@ -9,10 +8,12 @@ import lissom
 
 from ..bridge import arcs, checks, sheet
 from ..core.easing import EASINGS
+from ..core.files import write_json
 from ..core.inbetween import MAX_COUNT
 from ..core.options import argument
 from ..core.refused import Refused
 from ..properties.inbetween import PLAYBACK_ITEMS
+from . import outputs
 
 SUMMARY = "bake the arc between two shape keys as keys under one slider"
 STEPS = 7  # of the contact sheet
@@ -55,12 +56,12 @@ def run(arguments):
     done = [entry for entry in baked if "error" not in entry]
     try:
         if done:
-            bpy.ops.wm.save_as_mainfile(filepath=str(pathlib.Path(arguments.out).resolve()), copy=True)
+            outputs.save(arguments.out)
             if arguments.sheet:
                 _draw(obj, [entry["slider"] for entry in done], arguments)
         if arguments.report:
             report = {"file": str(source), "object": obj.name, "arcs": baked}
-            pathlib.Path(arguments.report).write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+            write_json(arguments.report, report)
     except (Refused, RuntimeError, OSError) as error:
         _failed(str(error))
         return PARTLY_DONE if done else BAD_INPUT
@@ -70,13 +71,7 @@ def run(arguments):
 
 
 def _checked(arguments):
-    source = pathlib.Path(arguments.file).resolve()
-    if not source.is_file():
-        raise Refused(f"--file: there is no file '{arguments.file}'")
-    for name in ("out", "sheet", "report"):
-        path = getattr(arguments, name)
-        if path and not pathlib.Path(path).resolve().parent.is_dir():
-            raise Refused(f"--{name}: there is no folder for '{path}'")
+    outputs.check(arguments, ("file",), ("out", "sheet", "report"))
     if arguments.sheet:
         sheet.image_format(arguments.sheet)
     if not 2 <= arguments.steps <= 50:
@@ -87,7 +82,7 @@ def _checked(arguments):
         raise Refused("--refinement: choose 0 to 1000 rounds")
     if arguments.tolerance is not None and not 0 < arguments.tolerance < float("inf"):
         raise Refused("--tolerance: choose a distance above 0")
-    return source
+    return pathlib.Path(arguments.file).resolve()
 
 
 def _bake(obj, end, arguments):

@@ -1,6 +1,5 @@
 """``blender --command lissom transfer``: carries shape keys between objects of files, as the panel does."""
 
-import json
 import pathlib
 import time
 from dataclasses import asdict
@@ -10,12 +9,14 @@ import lissom
 
 from ..bridge import checks
 from ..core import bake
+from ..core.files import write_json
 from ..core.options import argument
 from ..core.refused import Refused
 from ..jobs.fit import key_names
 from ..jobs.transfer_keys import KeysAsked, TransferKeys
 from ..jobs.transfer_pose import AnimationAsked, PoseAsked, TransferAnimation, TransferPose
 from ..properties.transfer import EXISTS_ITEMS
+from . import outputs
 
 SUMMARY = "carry shape keys, a pose or animation of one mesh over to another of different topology"
 DONE, BAD_INPUT, PARTLY_DONE = 0, 2, 3
@@ -80,10 +81,9 @@ def run(arguments):
         report |= {"fit": done.fit.fit.report, "doubtful_markers": done.doubtful_markers}
         report["seconds"] = round(time.perf_counter() - started, 3)
         report["errors"] += _send_back(brought, targets)
-        bpy.ops.wm.save_as_mainfile(filepath=_absolute(arguments.out), copy=True)
+        outputs.save(arguments.out)
         if arguments.report:
-            text = json.dumps(report, indent=2) + "\n"
-            pathlib.Path(arguments.report).write_text(text, encoding="utf-8")
+            write_json(arguments.report, report)
     except (Refused, lissom.Error, RuntimeError, OSError) as error:
         print(f"Error: {str(error).removeprefix('Error: ').strip()}")
         return BAD_INPUT
@@ -169,10 +169,10 @@ def _done(report):
 
 
 def _check(arguments):
-    for name in ("file", "source_file", "markers"):
-        path = getattr(arguments, name)
-        if path and not pathlib.Path(path).is_file():
-            raise Refused(f"--{name.replace('_', '-')}: there is no file '{path}'")
+    outputs.check(arguments, ("file", "source_file", "markers"), ("out", "report", "cache"))
+    for name in (*arguments.source, *arguments.target):
+        if "\n" in name:  # operators are told names one a line
+            raise Refused(f"{name!r}: there is a line break in this name: rename the object first")
     if arguments.pose == "":
         raise Refused("--pose: give the shape key a name")
     if arguments.frames and (len(arguments.frames) not in (2, 3) or not _are_frames(arguments.frames)):
@@ -182,12 +182,6 @@ def _check(arguments):
         )
     if arguments.cache and not arguments.frames:
         raise Refused("--cache: it keeps what --frames makes: give the frames too")
-    for name in ("out", "report", "cache"):
-        path = getattr(arguments, name)
-        if path and not pathlib.Path(path).resolve().parent.is_dir():
-            raise Refused(f"--{name}: there is no folder for '{path}'")
-        if path and pathlib.Path(path).is_dir():
-            raise Refused(f"--{name}: '{path}' is a folder")
     if not 0 <= arguments.marker_tolerance <= 1:
         raise Refused("--marker-tolerance: choose a part of the diagonal, from 0 to 1")
     if not 0 < arguments.match_distance <= 1:

@@ -10,7 +10,7 @@ import struct
 
 import numpy as np
 
-from .files import new_beside
+from .files import new_beside, take_place
 from .refused import Refused
 
 MAGIC = b"POINTCACHE2\0"
@@ -55,7 +55,7 @@ class Writer:
             raise ValueError(f"{self._left} samples were not written")
         with self._telling():
             self._file.close()
-            os.replace(self._partial, self.path)
+            take_place(self._partial, self.path)
         self._file = None
 
     def discard(self):

@@ -1,8 +1,11 @@
 """The three jobs, as buttons on top of the tab: one is shown at a time; and the progress of work."""
 
+import textwrap
+
 import bpy
 
 from .. import session
+from ..core import build
 from .common import TAB
 
 
@@ -17,6 +20,11 @@ class LISSOM_PT_main(bpy.types.Panel):
     bl_options = {"HIDE_HEADER"}
 
     def draw(self, context):
+        if session.other_build:
+            warning = self.layout.column(align=True)
+            warning.alert = True
+            for place, part in enumerate(textwrap.wrap(build.MESSAGE, 40)):
+                warning.label(text=part, icon="BLANK1" if place else "ERROR")
         row = self.layout.row(align=True)
         row.scale_y = 1.3
         if session.work is not None:  # in place of the buttons, so that nothing moves

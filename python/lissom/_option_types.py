@@ -105,6 +105,11 @@ class FitOptions(TypedDict, total=False):
     """Rounds of closest points at each pull."""
     match_distance: float
     """How far the centre of a triangle may be from the other surface to be matched there."""
+    modes: ArrayLike | None
+    """How people of the source's kind differ from it, most of all first: offsets of its vertices, as long as
+    they spread. The fit begins at the one that the target looks like."""
+    most_turn: float
+    """Without markers, by how much the target is turned against the source at most; 180 for any way."""
     overlap: bool
     """The meshes lie on each other as they are, as clothes lie on a body: every place belongs to the closest
     one within `match_distance`, nothing is pulled, and motions keep their size. Takes no markers."""

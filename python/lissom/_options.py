@@ -16,11 +16,12 @@ class Option:
     """One option of a call: everything there is to say about it.
 
     ``kind`` is "bool", "int", "float", "choice" (one of a few strings), "vertices" ((k,) indices), "points"
-    ((k, 3) positions), "mesh" (a Mesh) or "shapes" (a list of (time, (n, 3) positions)).
+    ((k, 3) positions), "mesh" (a Mesh), "shapes" (a list of (time, (n, 3) positions)) or "modes"
+    ((k, n, 3) offsets).
     """
 
     name: str
-    kind: Literal["bool", "int", "float", "choice", "vertices", "points", "mesh", "shapes"]
+    kind: Literal["bool", "int", "float", "choice", "vertices", "points", "mesh", "shapes", "modes"]
     default: bool | int | float | str | None
     """What it is where it is not given; None for nothing."""
     low: int | float | None

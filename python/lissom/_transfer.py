@@ -65,6 +65,12 @@ class Fit:
     """(n_target, 3) where on it, by barycentric coordinates."""
     fitted_vertices: NDArray[np.float64]
     """(n_source, 3) the source's vertices on the target, in the target's units."""
+    rest: NDArray[np.float64]
+    """(n_source, 3) the source at rest as the person that the target looks like has it, in the source's
+    units: its own vertices without ``modes``. Shapes whose offsets are everybody's are best carried over from
+    there: ``Transfer(Mesh(fit.rest, triangles), target, fit).apply(fit.rest + offsets)``."""
+    coefficients: NDArray[np.float64]
+    """(k,) how much of each of the ``modes`` that is; empty without."""
     distances: NDArray[np.float64]
     """(n_source,) from the fitted vertices to the target, in its units, NaN where nothing faces them."""
     image_distances: NDArray[np.float64]

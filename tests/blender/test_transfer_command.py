@@ -106,6 +106,7 @@ def test_markers_out_of_place_are_reported(files):
         (("--file", "both.blend", "--match-distance", "0"), "--match-distance"),
         (("--file", "both.blend", "--marker-tolerance", "-1"), "--marker-tolerance"),
         (("--file", "both.blend", "--tightness", "0"), "--tightness"),
+        (("--file", "both.blend", "--target", "a\nb"), "there is a line break in this name"),
     ],
 )
 def test_bad_input_writes_nothing(files, words, message, capfd, monkeypatch):

@@ -111,6 +111,12 @@ pub fn poses(name: &str, value: &Bound<'_, PyAny>, vertices: usize) -> PyResult<
     Ok(values.chunks_exact(3 * vertices.max(1)).map(to_points).collect())
 }
 
+/// (k, n, 3) offsets of however many vertices.
+pub fn modes(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<Vec3>>> {
+    let (shape, values) = floats(name, value, &[-1, -1, 3])?;
+    Ok(values.chunks_exact(3 * shape[1].max(1)).map(to_points).collect())
+}
+
 /// (n, k) or (n, 3, k) numbers, whose first axes are `of`; k, and all of them in one row.
 pub fn channels(name: &str, value: &Bound<'_, PyAny>, of: &[usize]) -> PyResult<(usize, Vec<f64>)> {
     let expected: Vec<i64> = of.iter().map(|&d| d as i64).chain([-1]).collect();

@@ -111,6 +111,7 @@ fn value(spec: &Spec, given: &Bound<'_, PyAny>) -> PyResult<Option<Value>> {
         }
         Kind::Shapes => Value::Shapes(arrays::timed_shapes(name, given)?),
         Kind::Planes => Value::Planes(arrays::planes(name, given)?),
+        Kind::Modes => Value::Modes(arrays::modes(name, given)?),
     }))
 }
 

@@ -49,6 +49,8 @@ fn fitted(py: Python<'_>, fit: Fit, meshes: [Arc<Mesh>; 2]) -> PyResult<Py<PyAny
     arrays.set_item("image_triangles", arrays::from_integers(py, images.iter().map(triangle)))?;
     arrays.set_item("image_weights", arrays::from_points(py, &weights)?)?;
     arrays.set_item("fitted_vertices", arrays::from_points(py, &fit.fitted_vertices)?)?;
+    arrays.set_item("rest", arrays::from_points(py, &fit.rest)?)?;
+    arrays.set_item("coefficients", arrays::from_numbers(py, fit.coefficients))?;
     arrays.set_item("distances", arrays::from_numbers(py, fit.distances))?;
     arrays.set_item("image_distances", arrays::from_numbers(py, fit.image_distances))?;
     arrays.set_item("stretch", arrays::from_numbers(py, fit.stretch))?;

@@ -31,6 +31,8 @@ pub enum Kind {
     Shapes,
     /// Planes, each by a point and a normal.
     Planes,
+    /// Offsets of the vertices of a mesh, many times.
+    Modes,
 }
 
 impl Kind {
@@ -47,6 +49,7 @@ impl Kind {
             Self::Mesh => "mesh",
             Self::Shapes => "shapes",
             Self::Planes => "planes",
+            Self::Modes => "modes",
         }
     }
 }
@@ -74,6 +77,8 @@ pub enum Value {
     Shapes(Vec<(f64, Vec<Vec3>)>),
     /// [`Kind::Planes`]
     Planes(Vec<Plane>),
+    /// [`Kind::Modes`]
+    Modes(Vec<Vec<Vec3>>),
 }
 
 /// A name that an option may be given, and what it means.
@@ -285,6 +290,7 @@ field!(Vec<[Vec<u32>; 2]>, Curves, given => Some(given),);
 field!(Option<Arc<Mesh>>, Mesh, given => Some(Some(given)),);
 field!(Vec<(f64, Vec<Vec3>)>, Shapes, given => Some(given),);
 field!(Vec<Plane>, Planes, given => Some(given),);
+field!(Vec<Vec<Vec3>>, Modes, given => Some(given),);
 
 /// Options that can be told and asked by name.
 pub trait OptionSet {

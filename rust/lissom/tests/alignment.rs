@@ -51,7 +51,7 @@ fn moved((vertices, triangles): Parts, turn: Mat3, scale: f64) -> Parts {
 
 fn found(source: &Mesh, target: &Mesh) -> Found {
     let [none, neither] = [source, target].map(|mesh| vec![false; mesh.rest().len()]);
-    align(source, target, &none, &neither, &Job::default()).unwrap()
+    align(source, target, &none, &neither, 180.0, &Job::default()).unwrap()
 }
 
 /// Degrees between the rotation found and the true one, and the scale found over the true one.
@@ -107,7 +107,7 @@ fn what_is_masked_takes_no_part() {
     let turn = turns(1)[0];
     let (source, target) = (mesh(ball(16, lump)), mesh(moved((vertices, triangles), turn, 1.0)));
     let none = vec![false; source.rest().len()];
-    let found = align(&source, &target, &none, &masked, &Job::default()).unwrap();
+    let found = align(&source, &target, &none, &masked, 180.0, &Job::default()).unwrap();
     let (angle, ratio) = errors(&found, &source, &target, turn, 1.0);
     assert!(angle < 1.0 && (ratio - 1.0).abs() < 0.01 && found.certainty > 0.9, "{angle} {ratio} {found:?}");
 }
@@ -173,7 +173,7 @@ fn degenerate_meshes_are_placed_somewhere_or_refused() {
     }
     let refused = |source: &Mesh, masked: &[bool]| {
         let none = vec![false; shapes[0].rest().len()];
-        let fault = align(&shapes[0], source, &none, masked, &Job::default()).unwrap_err();
+        let fault = align(&shapes[0], source, &none, masked, 180.0, &Job::default()).unwrap_err();
         assert!(matches!(fault, Error::InvalidValue(fault) if fault.argument == "target_mask"));
     };
     refused(&shapes[3], &vec![true; shapes[3].rest().len()]);
@@ -181,5 +181,8 @@ fn degenerate_meshes_are_placed_somewhere_or_refused() {
     refused(&mesh((flat, two)), &[false; 6]);
     let job = Job::default();
     job.cancel();
-    assert!(matches!(align(&shapes[0], &shapes[0], &[false; 3], &[false; 3], &job), Err(Error::Cancelled)));
+    assert!(matches!(
+        align(&shapes[0], &shapes[0], &[false; 3], &[false; 3], 180.0, &job),
+        Err(Error::Cancelled)
+    ));
 }

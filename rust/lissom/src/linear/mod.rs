@@ -9,9 +9,11 @@ mod constraints;
 pub mod dense;
 mod factor;
 mod matrix;
+mod normal;
 mod system;
 
 pub use constraints::Constraints;
 pub use factor::{Factor, REGULARIZED, Symbolic};
 pub use matrix::SymmetricMatrix;
+pub use normal::NormalEquations;
 pub use system::ConstrainedSystem;

@@ -34,12 +34,11 @@
 //! 0.2, models with nothing in common costs from 0.29 and margins up to 0.17; a cat in unlike poses is in between. A
 //! source that is a small part of the target, or the reverse, has a high cost however well it lies: it is never certain.
 
-use std::f64::consts::PI;
-
 use rayon::prelude::*;
 
 use crate::geometry::rigid::Similarity;
 use crate::geometry::surface::Surface;
+use crate::linear::NormalEquations;
 use crate::matrix::{eigenvectors, outer, trace};
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, rotation};
 
@@ -84,7 +83,8 @@ pub struct Found {
 
 /// Finds the similarity that lays `source` on `target`, as far as these have something in common.
 ///
-/// `masked_source` and `masked_target` hold a flag for each vertex; triangles with such a corner take no part. Both
+/// The source is turned by at most `most_turn` degrees, 180 for any rotation: which of several it is then is less of
+/// a question. `masked_source` and `masked_target` hold a flag for each vertex; triangles with such a corner take no part. Both
 /// meshes have to be wound the same way, outwards or inwards. Of rotations that are equally good, the least. The same
 /// input gives the same output to the last bit.
 ///
@@ -96,6 +96,7 @@ pub fn align(
     target: &Mesh,
     masked_source: &[bool],
     masked_target: &[bool],
+    most_turn: f64,
     job: &Job,
 ) -> Result<Found> {
     let (source, target) = rayon::join(
@@ -103,14 +104,23 @@ pub fn align(
         || Side::new("target_mask", target, masked_target),
     );
     let sides = [&source?, &target?];
-    let mut found = starts(sides);
+    let mut found = starts(sides, most_turn);
     let mut samples = Samples::default();
     for (count, reaches, kept, apart) in STAGES {
         samples = sides.map(|side| side.samples(count));
         let refined = found.into_par_iter().map(|placed| placed.refine(sides, &samples, reaches, job));
-        found = best(refined.collect::<Result<_>>()?, kept, apart);
+        let mut refined: Vec<Placed> = refined.collect::<Result<_>>()?;
+        if refined.iter().any(|placed| placed.turn() <= most_turn) {
+            refined.retain(|placed| placed.turn() <= most_turn);
+        }
+        found = best(refined, kept, apart);
     }
     let placed = found[0];
+    if std::env::var("DBG").is_ok() {
+        for f in &found {
+            eprintln!("   cost {:.3} turn {:.0} scale {:.2}", f.cost, f.turn(), f.scale);
+        }
+    }
     let others = found.iter().filter(|other| placed.apart(other) > APART).map(|other| other.cost);
     let margin = 1.0 - (placed.cost + COARSENESS) / (others.fold(1.0, f64::min) + COARSENESS);
     let fit = ((COSTS[0] - placed.cost) / (COSTS[0] - COSTS[1])).clamp(0.0, 1.0);
@@ -213,8 +223,9 @@ impl Pair {
 /// What the samples of the source found on the target, and those of the target on the source.
 type Pairs = [Vec<Option<Pair>>; 2];
 
-/// The meshes as they stand, and with their principal axes on each other.
-fn starts([source, target]: [&Side; 2]) -> Vec<Placed> {
+/// The meshes as they stand, and with their principal axes on each other; as they stand and nodding, turning and
+/// bending a little where they are known to be turned by no more.
+fn starts([source, target]: [&Side; 2], most_turn: f64) -> Vec<Placed> {
     let units = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
     let swaps = units.iter().flat_map(|&x| units.iter().map(move |&y| Mat3::from_cols(x, y, x.cross(y))));
     let proper = swaps.filter(|swap| swap.z_axis != Vec3::ZERO);
@@ -224,7 +235,10 @@ fn starts([source, target]: [&Side; 2]) -> Vec<Placed> {
         let shift = target.centre - rotation * source.centre * scale;
         Placed { rotation, scale, shift, cost: 1.0, as_they_stand: k == 0 }
     };
-    std::iter::once(Mat3::IDENTITY).chain(matched).enumerate().map(start).collect()
+    let little = most_turn.min(APART).to_radians();
+    let tilts = units.iter().filter(|_| most_turn < 90.0).map(|&axis| rotation::exp(axis * little));
+    let all = std::iter::once(Mat3::IDENTITY).chain(tilts).chain(matched);
+    all.enumerate().map(start).filter(|placed| placed.turn() <= most_turn).collect()
 }
 
 /// The best candidates first, at most `kept` that are more than `apart` degrees from each other. The meshes as they
@@ -245,7 +259,12 @@ fn best(mut found: Vec<Placed>, kept: usize, apart: f64) -> Vec<Placed> {
 impl Placed {
     /// The cost, and where costs are equal the rotation: half a turn has to be 5 % better than none.
     fn rank(&self) -> f64 {
-        (self.cost + COARSENESS) * (1.0 + 0.05 * rotation::log(self.rotation).length() / PI)
+        (self.cost + COARSENESS) * (1.0 + 0.05 * self.turn() / 180.0)
+    }
+
+    /// The angle of the rotation, degrees.
+    fn turn(&self) -> f64 {
+        rotation::log(self.rotation).length().to_degrees()
     }
 
     /// The angle between two rotations, degrees.
@@ -261,13 +280,13 @@ impl Placed {
             let squares = [sides[0].size * self.scale, sides[1].size].map(|size| (size * reach).powi(2));
             if round + 1 == reaches.len() {
                 self.cost = cost(&pairs, squares);
-            } else if let Some([a, b, c, x, y, z, growth]) = solve(normal_equations(&pairs, squares)) {
+            } else if let Some(step) = normal_equations(&pairs, squares).solve() {
                 // The equations are linear in both, which larger steps are not.
-                let turn = rotation::exp(Vec3::new(a, b, c).clamp_length_max(0.5));
-                let growth = growth.clamp(-0.3, 0.3).exp();
+                let turn = rotation::exp(Vec3::from_slice(&step[..3]).clamp_length_max(0.5));
+                let growth = step[6].clamp(-0.3, 0.3).exp();
                 self.rotation = rotation::nearest_rotation(turn * self.rotation);
                 self.scale *= growth;
-                self.shift = turn * self.shift * growth + Vec3::new(x, y, z);
+                self.shift = turn * self.shift * growth + Vec3::from_slice(&step[3..6]);
             }
         }
         Ok(self)
@@ -299,42 +318,21 @@ fn cost(pairs: &Pairs, squares: [f64; 2]) -> f64 {
     (sum(0) + sum(1)) / (pairs[0].len() + pairs[1].len()) as f64
 }
 
-/// Matrix (upper triangle) and right-hand side of a step `x -> x + omega x x + t + growth x`.
-fn normal_equations(pairs: &Pairs, squares: [f64; 2]) -> ([[f64; 7]; 7], [f64; 7]) {
-    let (mut matrix, mut rhs) = ([[0.0; 7]; 7], [0.0; 7]);
+/// The equations of a step `x -> x + omega x x + t + growth x`.
+fn normal_equations(pairs: &Pairs, squares: [f64; 2]) -> NormalEquations {
+    let mut equations = NormalEquations::new(7);
     for (pairs, square) in pairs.iter().zip(squares) {
         for pair in pairs.iter().flatten() {
             let weight = square / (pair.squared() + square).powi(2);
-            let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| (axis, weight * POINT));
+            let axes = Vec3::AXES.map(|axis| (axis, weight * POINT));
             for (along, weight) in std::iter::once((pair.normal, weight)).chain(axes) {
                 let (turn, off) = (pair.at.cross(along), along.dot(pair.to - pair.at));
                 let row = [turn.x, turn.y, turn.z, along.x, along.y, along.z, along.dot(pair.at)];
-                for i in 0..7 {
-                    rhs[i] += weight * row[i] * off;
-                    (i..7).for_each(|j| matrix[i][j] += weight * row[i] * row[j]);
-                }
+                equations.add(&row, off, weight);
             }
         }
     }
-    (matrix, rhs)
-}
-
-/// The solution of a positive definite system; `None` where it is not, as of no pairs at all.
-fn solve((mut matrix, mut rhs): ([[f64; 7]; 7], [f64; 7])) -> Option<[f64; 7]> {
-    for k in 0..7 {
-        let row = matrix[k];
-        for i in k + 1..7 {
-            let factor = row[i] / row[k];
-            (i..7).for_each(|j| matrix[i][j] -= factor * row[j]);
-            rhs[i] -= factor * rhs[k];
-        }
-    }
-    let mut x = [0.0; 7];
-    for k in (0..7).rev() {
-        let known: f64 = (k + 1..7).map(|j| matrix[k][j] * x[j]).sum();
-        x[k] = (rhs[k] - known) / matrix[k][k];
-    }
-    ((0..7).all(|k| matrix[k][k] > 0.0) && x.iter().all(|x| x.is_finite())).then_some(x)
+    equations
 }
 
 /// Root mean square of the nearest three quarters each way; what found nothing is a diagonal away.

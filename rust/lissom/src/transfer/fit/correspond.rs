@@ -3,7 +3,9 @@
 use std::time::Instant;
 
 use super::diagnosis::{Fit, FitReport, conclude};
+use super::lie::Lie;
 use super::marked::Marked;
+use super::morph::{self, Morph};
 use super::options::FitOptions;
 use super::overlap::overlap;
 use super::registration::register;
@@ -37,6 +39,7 @@ pub fn fit_correspondence(
     };
     let mut warnings = [doubts("source", source), doubts("target", target)].concat();
     options.check()?;
+    morph::check(&options.modes, source)?;
     if options.overlap && (markers.is_some() || !options.curves.is_empty()) {
         let problem = "given, but meshes that overlap lie where they are: leave one of the two out";
         return Err(Error::InvalidConstraint(Fault::new("markers", problem)));
@@ -48,7 +51,16 @@ pub fn fit_correspondence(
         && source.rest().len() == target.rest().len()
     {
         job.check()?;
-        return Ok(same(source, target, warnings));
+        let mut fit = same(source, target, warnings);
+        let lie = Lie::of(
+            &source.rest().iter().copied().zip(target.rest().iter().copied()).collect::<Vec<_>>(),
+            Vec::new(),
+            0.0,
+        );
+        let mut morph = Morph::new(source, &options.modes, &lie);
+        morph.find_same(source, target.rest());
+        (fit.rest, fit.coefficients) = morph.told(source);
+        return Ok(fit);
     }
     let source_side = Side::new(source, "source_mask", &options.source_mask)?;
     let target_side = Side::new(target, "target_mask", &options.target_mask)?;
@@ -62,12 +74,14 @@ pub fn fit_correspondence(
         return Ok(fit);
     }
 
-    let Marked { lie, led_by } = Marked::of(&source_side, &onto, markers, options, &mut warnings, job)?;
-    let turned = lie.turn.map(|turn| source.turned(turn));
-    let source_side = match &turned {
-        Some(turned) => source_side.of(turned),
-        None => source_side,
-    };
+    let Marked { mut lie, led_by } = Marked::of(&source_side, &onto, markers, options, &mut warnings, job)?;
+    let mut morph = Morph::new(source, &options.modes, &lie);
+    if !options.modes.is_empty() {
+        morph.find(&source_side, &onto, &lie.markers, options.match_distance, job)?;
+        (lie.turn, lie.size, lie.shift) = morph.lie();
+    }
+    let laid = source.reshaped(morph.turned());
+    let source_side = source_side.of(&laid);
     let (x, rounds) = register(&source_side, &onto, &lie, options, job)?;
     job.report(0.9, "match");
     let led = led_by.told(&x, markers, options.marker_tolerance);
@@ -77,6 +91,7 @@ pub fn fit_correspondence(
     let mut fit =
         conclude(&Placed::new(&source_side, &x), &onto, options.match_distance, report, false, job)?;
     fit.report.doubt_what_is_uncovered();
+    (fit.rest, fit.coefficients) = morph.told(source);
     fit.matches.turn = lie.turn.unwrap_or(Mat3::IDENTITY);
     fit.matches.curves = led.curves;
     let in_units = |off: Vec<f64>| off.into_iter().map(|off| off * target.frame().scale).collect();

@@ -32,6 +32,11 @@ pub struct Fit {
     pub matches: Correspondence,
     /// The source's vertices on the target, in the target's units.
     pub fitted_vertices: Vec<Vec3>,
+    /// The source's vertices at rest as the one that the target looks like has them, in the source's units: its own
+    /// without modes.
+    pub rest: Vec<Vec3>,
+    /// How much of each mode that is.
+    pub coefficients: Vec<f64>,
     /// How far each of them is from the target's surface that faces its way, in the target's units; not a number
     /// where nothing does, and for masked vertices.
     pub distances: Vec<f64>,

@@ -47,6 +47,7 @@ impl Lie {
     }
 }
 
-fn is_worth(turn: Mat3) -> bool {
+/// Whether a rotation is worth taking out.
+pub fn is_worth(turn: Mat3) -> bool {
     rotation::log(turn).length().to_degrees() > WORTH_DEGREES
 }

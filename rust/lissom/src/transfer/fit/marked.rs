@@ -95,7 +95,7 @@ impl Marked {
             warnings.extend(open);
             Lie::of(&trusted, Vec::new(), doubts.scatter)
         } else {
-            without_markers(source_side, onto.side, tolerance, warnings, job)?
+            without_markers(source_side, onto.side, options, warnings, job)?
         };
         let followed = (0..found.len()).filter(|&i| kept(i)).map(|i| found[i]);
         lie.markers = followed.collect();
@@ -135,12 +135,18 @@ fn checked(source: &Mesh, target: &Mesh, markers: &[[u32; 2]], options: &FitOpti
 fn without_markers(
     source: &Side,
     target: &Side,
-    tolerance: f64,
+    options: &FitOptions,
     warnings: &mut Vec<String>,
     job: &Job,
 ) -> Result<Lie> {
-    let found =
-        alignment::align(source.mesh, target.mesh, &source.masked_vertex, &target.masked_vertex, job)?;
+    let found = alignment::align(
+        source.mesh,
+        target.mesh,
+        &source.masked_vertex,
+        &target.masked_vertex,
+        options.most_turn,
+        job,
+    )?;
     if found.certainty < GUESSED {
         let problem = "none given, and the meshes have too little in common to lie on each other without: mark at \
                        least three pairs of vertices";
@@ -153,7 +159,7 @@ fn without_markers(
             100.0 * found.certainty
         ));
     }
-    Ok(Lie::by(&found, source.mesh, tolerance))
+    Ok(Lie::by(&found, source.mesh, options.marker_tolerance))
 }
 
 impl LedBy {

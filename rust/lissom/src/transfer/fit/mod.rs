@@ -26,6 +26,7 @@ mod look_up;
 mod marked;
 mod markers;
 mod matching;
+mod morph;
 mod options;
 mod overlap;
 mod pulls;

@@ -33,6 +33,11 @@ options! {
         pub rounds: usize = 4 => at_least(1.0) at_most(MOST_ROUNDS),
         /// How far the centre of a triangle may be from the other surface to be matched there.
         pub match_distance: f64 = 0.02 => above(0.0) unit("of the target's diagonal"),
+        /// How people of the source's kind differ from it, most of all first: offsets of its vertices, as long as they
+        /// spread. The fit begins at the one that the target looks like.
+        pub modes: Vec<Vec<Vec3>> = Vec::new() => unit("the source's units"),
+        /// Without markers, by how much the target is turned against the source at most; 180 for any way.
+        pub most_turn: f64 = 180.0 => above(0.0) at_most(180.0) unit("degrees"),
         /// The meshes lie on each other as they are, as clothes lie on a body: every place belongs to the closest
         /// one within `match_distance`, nothing is pulled, and motions keep their size. Takes no markers.
         pub overlap: bool = false,

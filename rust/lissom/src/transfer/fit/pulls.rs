@@ -43,6 +43,12 @@ impl Pull {
         (0..3).map(|k| x[self.corners[k] as usize] * self.weights[k]).sum()
     }
 
+    /// `P` as directions, and how much each counts.
+    pub fn directions(&self) -> [(Vec3, f64); 4] {
+        let [x, y, z] = Vec3::AXES.map(|axis| (axis, self.across));
+        [(self.normal, self.along - self.across), x, y, z]
+    }
+
     fn add(&self, value: Vec3, to: &mut [Vec3]) {
         (0..3).for_each(|k| to[self.corners[k] as usize] += value * self.weights[k]);
     }
