@@ -4,9 +4,9 @@ from itertools import pairwise
 
 import bpy
 import numpy as np
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
-from ..core.framing import framed, free_span
+from ..core.framing import framed, free_span, upright
 from ..core.refused import Refused
 
 SENSOR = 72.0  # millimetres: what a view shows at a distance of its lens; Blender doubles the 36 of a camera
@@ -121,7 +121,7 @@ def look_at(area, corners, towards=None):
     """
     region, data = region_of(area), area.spaces.active.region_3d
     if towards is not None:
-        data.view_rotation = Vector(-np.asarray(towards)).to_track_quat("Z", "Y")
+        data.view_rotation = Matrix(upright(towards)).to_quaternion()
     covering = [
         (bar.x - region.x, bar.x - region.x + bar.width)
         for bar in (region_of(area, "UI"), region_of(area, "TOOLS"))

@@ -28,3 +28,14 @@ def framed(corners, turn, size, free, pixel):
     factor = MARGIN * max(np.divide((high - low)[:2], room)) / pixel
     aside = (sum(free) - size[0]) / 2 * pixel * factor
     return turn @ ((low + high) / 2 - (aside, 0, 0)), factor
+
+
+def upright(towards):
+    """(3, 3): right, up and backward of a view that looks ``towards`` (3,) a way and stands upright."""
+    back = -np.asarray(towards, dtype=float) / np.linalg.norm(towards)
+    right = np.cross((0.0, 0.0, 1.0), back)
+    if np.linalg.norm(right) < 1e-3:  # from above or below: as Blender's own views
+        right = np.array([1.0, 0.0, 0.0])
+    right = right - back * (right @ back)
+    right /= np.linalg.norm(right)
+    return np.column_stack([right, np.cross(back, right), back])

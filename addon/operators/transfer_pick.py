@@ -1,16 +1,12 @@
-"""Marker pairs picked with the mouse on both surfaces: the events; core.picking has the logic."""
+"""Marker pairs picked with the mouse on both surfaces: the events; jobs.pick has what they do."""
 
 import bpy
 
 from .. import session
-from ..bridge import landmarks, picking
-from ..bridge import markers as bridge_markers
-from ..bridge.markers import SIDES
+from ..bridge import picking
 from ..bridge.screen import redraw_sidebars, redraw_views
-from ..core import markers
-from ..core.landmarks import upcoming
-from ..core.picking import Picking
 from ..core.refused import Refused
+from ..jobs import pick
 from .job import allowed, answering
 
 HINT = (
@@ -44,21 +40,11 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
             session.picking = None
             redraw_views()
             return None
-        ends = bridge_markers.pair_of_objects(context, "", "")
-        for obj in ends:
-            if obj.mode != "OBJECT":
-                raise Refused(f"'{obj.name}' is in {obj.mode.lower()} mode: go to Object Mode first")
-            if obj.hide_get() or obj.hide_viewport:  # a view may show one of them alone
-                raise Refused(f"'{obj.name}' is hidden: show it first")
-        known, warnings = bridge_markers.current(context.scene, *ends)
-        markers.check(known, *(len(obj.data.vertices) for obj in ends))
-        bridge_markers.put(context.scene, known, *ends)
-        for warning in warnings:
+        for warning in pick.begin(context):
             self.report({"WARNING"}, warning)
-        context.scene.lissom_transfer.show_markers = True
-        session.picking = Picking()
-        self._drag = self._asked = None
-        self._ask(context)
+        self._drag, self._said, self._picks = None, None, pick.Picks(_push)
+        self._picks.ask(context.scene)
+        self._say(context)
         context.window_manager.modal_handler_add(self)
         redraw_sidebars()
         return {"RUNNING_MODAL"}
@@ -98,10 +84,12 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
             return {"FINISHED"}
         if event.type == "TAB" and session.picking.wanted and self._drag is None:
             if event.value == "PRESS":
-                self._skip(context)
+                self._picks.skip(context.scene)
+                self._say(context)
             return {"RUNNING_MODAL"}
         if event.type == "MOUSEMOVE":
-            self._ask(context)
+            self._picks.ask(context.scene)
+            self._say(context)
         pressed = event.value in {"PRESS", "DOUBLE_CLICK"}
         looks = event.type in {"MOUSEMOVE", "LEFT_CTRL", "RIGHT_CTRL"}
         if self._drag is None and not (looks or (event.type in {"LEFTMOUSE", "RIGHTMOUSE"} and pressed)):
@@ -121,38 +109,14 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
         redraw_views()
         return {"RUNNING_MODAL"} if took else {"PASS_THROUGH"}
 
-    def _ask(self, context):
-        """Asks for the next landmark, and takes the half of it that a mesh bears already."""
-        settings, picked = context.scene.lissom_transfer, session.picking
-        state = settings.landmarks, tuple(row.name for row in settings.markers), len(picked.skipped)
-        if state == self._asked:
-            return
-        names, marked = landmarks.names(settings), {row.name for row in settings.markers}
-        picked.drop()
-        picked.wanted = upcoming(names, marked, picked.skipped) or ""
-        self._asked = state
-        borne = {side: landmarks.of(getattr(settings, side)).get(picked.wanted) for side in SIDES}
-        borne = {side: point for side, point in borne.items() if point is not None}
-        try:
-            for side, point in borne.items():
-                self._pick(context, side, point)
-        except Refused:  # another marker is there
-            return self._skip(context)
-        if len(borne) < 2:  # else it is a pair, after which the next was asked for
-            self._say(context)
-
     def _say(self, context):
-        """What is asked for, in the status bar."""
-        names, picked = landmarks.names(context.scene.lissom_transfer), session.picking
-        place = names.index(picked.wanted) + 1 if picked.wanted in names else 0
-        where = {"source": "on the target", "target": "on the source"}.get(picked.side, "on either mesh")
-        asked = f"{place} of {len(names)}: {picked.wanted}, {where}    |    Tab: skip    |    "
-        context.workspace.status_text_set(asked + HINT if place else HINT)
-        redraw_views()
-
-    def _skip(self, context):
-        session.picking.skipped.add(session.picking.wanted)
-        self._ask(context)
+        """What is asked for, in the status bar; no more than is new, since the mouse asks at every move."""
+        asked = self._picks.asked(context.scene)
+        said = f"{asked}    |    Tab: skip    |    {HINT}" if asked else HINT
+        if said != self._said:
+            self._said = said
+            context.workspace.status_text_set(said)
+            redraw_views()
 
     def _look(self, pane, stage, ctrl):
         """Puts the ring around the mark or the rim that a click would take."""
@@ -173,36 +137,17 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
         found = None if event.ctrl else stage.mark_at(pane.spot, scale)
         if event.type == "RIGHTMOUSE":
             if found:
-                self._remove(context, found[0].index)
+                self._picks.remove(context.scene, found[0].index)
+                self._say(context)
             return found is not None
         if found:
             self._drag, session.picking.ring = found[0], None
             return True
         found = stage.point_at(pane.spot, scale, exact=event.ctrl)
         if found:
-            self._pick(context, *found[:2])
-        return found is not None
-
-    def _pick(self, context, side, point):
-        for marker in bridge_markers.of_scene(context.scene):
-            if marker.point(side) == point:
-                raise Refused(f"This place of the {side} bears marker '{marker.name}' already")
-        pair = session.picking.take(side, point)
-        if pair:
-            settings = context.scene.lissom_transfer
-            new = markers.Marker.between(session.picking.wanted, *map(pair.get, SIDES))
-            bridge_markers.append(context.scene, [new], settings.source, settings.target)
-            self._done("Pick Marker Pair")
-            self._ask(context)
-        else:
+            self._picks.take(context.scene, *found[:2])
             self._say(context)
-
-    def _remove(self, context, index):
-        if index < 0:
-            session.picking.drop()
-            return
-        bridge_markers.remove(context.scene, index)
-        self._done("Remove Marker Pair")
+        return found is not None
 
     def _dragged(self, context, event, pane, stage):
         index, _, side, before = self._drag
@@ -212,28 +157,20 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
         elif event.type == "MOUSEMOVE":
             found = stage and stage.point_at(pane.spot, picking.ui_scale(), exact=event.ctrl, only=side)
             if found:
-                self._move(context, index, side, found[1])
+                self._picks.move(context.scene, index, side, found[1])
         elif event.type in {"ESC", "RIGHTMOUSE"}:
-            self._move(context, index, side, before)
+            self._picks.move(context.scene, index, side, before)
             self._drag = None
         elif event.type == "LEFTMOUSE" and event.value == "RELEASE":
             self._drag = None
-            if index >= 0:
-                context.scene.lissom_transfer.active_marker = index
-                if rows[index].point(side) != before:
-                    self._done("Move Marker")
+            self._picks.moved(context.scene, index, side, before)
         redraw_views()
         return {"RUNNING_MODAL"}
 
-    def _move(self, context, index, side, point):
-        if index < 0:
-            session.picking.take(side, point)
-        else:
-            bridge_markers.move(context.scene, index, side, point)
 
-    def _done(self, message):
-        bpy.ops.ed.undo_push(message=message)
-        redraw_sidebars()
+def _push(message):
+    bpy.ops.ed.undo_push(message=message)
+    redraw_sidebars()
 
 
 classes = (LISSOM_OT_marker_pick,)

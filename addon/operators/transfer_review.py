@@ -90,6 +90,7 @@ class LISSOM_OT_review(bpy.types.Operator):
             if review.mending is None:
                 return {"FINISHED"}
             review.rest(context)
+            bpy.ops.ed.undo_push(message="Fix Key")
             return {"RUNNING_MODAL"}
         if review.mending is not None or not views.under(context.window, event.mouse_x, event.mouse_y):
             return {"PASS_THROUGH"}
@@ -146,6 +147,7 @@ class LISSOM_OT_review_mend(bpy.types.Operator):
     @answering
     def execute(self, context):
         session.review.mend(context)
+        bpy.ops.ed.undo_push(message="Fix Key")  # strokes are undone back to here
         redraw_sidebars()
 
 

@@ -15,7 +15,7 @@ from ..core.suggest import suggest
 from ..jobs.fit import remembered
 from .job import allowed, answering
 
-SURROUNDINGS = 0.1  # of the mesh: so much of it is shown around a place
+SURROUNDINGS = 0.15  # of the mesh: so much of it is shown around a place
 
 
 class LISSOM_OT_fit_show(bpy.types.Operator):
@@ -91,9 +91,10 @@ class LISSOM_OT_fit_place(bpy.types.Operator):
 
 
 def _with_surroundings(places, vertices):
-    """Two corners of a box around places, with a part of the mesh around them."""
+    """(8, 3): corners of a box around places, with a part of the mesh around them."""
     around = SURROUNDINGS * np.ptp(vertices, axis=0).max()
-    return np.array([places.min(axis=0) - around, places.max(axis=0) + around])
+    ends = np.array([places.min(axis=0) - around, places.max(axis=0) + around])
+    return np.array([ends[list(corner), range(3)] for corner in np.ndindex(2, 2, 2)])
 
 
 def _showing(context, objects):

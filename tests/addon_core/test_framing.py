@@ -25,3 +25,14 @@ def test_a_box_fills_the_free_pixels_and_lies_in_their_middle(seed):
     np.testing.assert_allclose((low + high) / 2, [np.mean(free), size[1] / 2])
     filled = (high - low) / (free[1] - free[0], size[1])
     np.testing.assert_allclose(filled.max(), 1 / framing.MARGIN)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_view_stands_upright_whichever_way_it_looks(seed):
+    random = np.random.default_rng(seed)
+    for way in (random.normal(size=3), *np.eye(3), *-np.eye(3)):
+        turn = framing.upright(way)
+        np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-12)
+        assert np.linalg.det(turn) > 0
+        np.testing.assert_allclose(turn[:, 2], -way / np.linalg.norm(way), atol=1e-12)
+        assert abs(turn[2, 0]) < 1e-3 and turn[2, 1] > -1e-12

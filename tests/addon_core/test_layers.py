@@ -1,5 +1,6 @@
 """The layers of the extension in docs/layers.md, held against the sources: what imports what."""
 
+import ast
 import sys
 from pathlib import Path
 
@@ -82,6 +83,16 @@ def test_core_knows_numpy_and_lissom_only(graph):
     }
     assert ("addon.core.pose", "lissom") in taken
     assert {imported for _, imported in taken} <= allowed, taken
+
+
+def test_no_operator_is_long():
+    """What it does is in jobs: 150 lines are the most."""
+    lengths = {}
+    for file in (ROOT / "addon" / "operators").glob("*.py"):
+        for node in ast.parse(file.read_text()).body:
+            if isinstance(node, ast.ClassDef):
+                lengths[node.name] = node.end_lineno - node.lineno + 1
+    assert lengths and max(lengths.values()) <= 150, max(lengths.items(), key=lambda item: item[1])
 
 
 def test_the_bridge_alone_moves_arrays_in_and_out_of_blender():

@@ -8,7 +8,7 @@ from bl_ext.user_default.lissom import session
 from bl_ext.user_default.lissom.bridge import landmarks
 from bl_ext.user_default.lissom.core.picking import Picking
 from bl_ext.user_default.lissom.core.surface import Point
-from bl_ext.user_default.lissom.operators.transfer_pick import LISSOM_OT_marker_pick
+from bl_ext.user_default.lissom.jobs.pick import Picks
 
 
 def sides(*names, **options):
@@ -92,42 +92,42 @@ def test_the_rest_is_guessed_counts_only_once_confirmed_and_is_kept_then():
         bpy.ops.lissom.landmarks_confirm()
 
 
-class Workspace:
-    text = None
+class Picker:
+    """Picking without a window."""
 
-    def status_text_set(self, text):
-        self.text = text
+    def __init__(self):
+        self._scene, self._picks = bpy.context.scene, Picks(lambda message: None)
+
+    def ask(self):
+        self._picks.ask(self._scene)
+
+    def click(self, side, vertex):
+        self._picks.take(self._scene, side, Point.at(vertex))
+
+    def skip(self):
+        self._picks.skip(self._scene)
+
+    def asked(self):
+        return self._picks.asked(self._scene)
 
 
 @pytest.fixture
 def picker(monkeypatch):
-    """Asks as the modal operator does, without a window."""
-    operator = type("Operator", (), {})()
-    for name in ("_ask", "_say", "_skip", "_pick", "_done"):
-        method = getattr(LISSOM_OT_marker_pick, name)
-        setattr(operator, name, method.__get__(operator))
-    operator._asked = None
-    operator._done = lambda message: None
     monkeypatch.setattr(session, "picking", Picking())
-    context = type("Context", (), {"scene": bpy.context.scene, "workspace": Workspace()})()
-    operator.ask = lambda: operator._ask(context)
-    operator.click = lambda side, vertex: operator._pick(context, side, Point.at(vertex))
-    operator.skip = lambda: operator._skip(context)
-    operator.said = lambda: context.workspace.text
-    return operator
+    return Picker()
 
 
 def test_pick_asks_for_one_landmark_after_the_other(picker):
     settings, *_ = sides("Source", "Target")
     settings.landmarks = "FACE_7"
     picker.ask()
-    assert picker.said().startswith("1 of 7: right eye, outer corner, on either mesh")
+    assert picker.asked().startswith("1 of 7: right eye, outer corner, on either mesh")
     picker.click("source", 3)
-    assert picker.said().startswith("1 of 7: right eye, outer corner, on the target")
+    assert picker.asked().startswith("1 of 7: right eye, outer corner, on the target")
     picker.click("target", 4)
-    assert picker.said().startswith("2 of 7: right eye, inner corner")
+    assert picker.asked().startswith("2 of 7: right eye, inner corner")
     picker.skip()
-    assert picker.said().startswith("3 of 7: left eye, inner corner")
+    assert picker.asked().startswith("3 of 7: left eye, inner corner")
     picker.click("target", 9)
     picker.click("source", 8)
     assert [(row.name, row.ends) for row in settings.markers] == [
@@ -145,14 +145,14 @@ def test_what_a_mesh_bears_already_is_not_asked_for_again(picker):
     settings.target = other
     settings.landmarks = "FACE_7"
     picker.ask()
-    assert picker.said().startswith("1 of 7: right eye, outer corner, on the target")
+    assert picker.asked().startswith("1 of 7: right eye, outer corner, on the target")
     picker.click("target", 20)
-    assert picker.said().startswith("2 of 7: right eye, inner corner, on the target")
+    assert picker.asked().startswith("2 of 7: right eye, inner corner, on the target")
     bpy.ops.lissom.marker_clear()
     settings.target = target  # which bears both
     picker.ask()
     assert [row.ends for row in settings.markers] == [(Point.at(3), Point.at(4)), (Point.at(6), Point.at(7))]
-    assert picker.said().startswith("3 of 7")
+    assert picker.asked().startswith("3 of 7")
     settings.landmarks = "OWN"
     picker.ask()
-    assert session.picking.wanted == "" and picker.said().startswith("Click a place")
+    assert session.picking.wanted == "" and picker.asked() == ""

@@ -15,6 +15,7 @@ import traceback
 import addon_utils
 import bpy
 import lissom
+import mathutils
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
@@ -397,6 +398,61 @@ def check_row_34_no_second_job_starts_meanwhile():
     yield from until(lambda: session.work is None, 2.0)
 
 
+def check_a_review_shows_keys_in_two_linked_views_and_leaves_nothing_changed():
+    new_file()
+    settings = bpy.context.scene.lissom_transfer
+    settings.source, settings.target = scene.tube(8, 8, "Source"), scene.tube(8, 8, "Target")
+    settings.target.location.x = 5
+    rest = scene.points(settings.source.data.vertices)
+    for name, factors in (("wide", [1.3, 1, 1]), ("long", [1, 1, 1.4])):
+        scene.add_key(settings.source, name, rest * factors)
+    bpy.ops.lissom.transfer_keys()
+    yield
+    before = review_state()
+    with view():
+        assert bpy.ops.lissom.review("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
+    yield from until(lambda: len(views()) == 2)
+    for _ in range(20):  # until they are framed
+        yield
+    shown = [obj.active_shape_key.name for obj in (settings.source, settings.target)]
+    assert shown == [session.review.key] * 2 and settings.target.show_only_shape_key
+    own, other = (area.spaces.active.region_3d for area in views())
+    own.view_rotation.rotate(mathutils.Euler((0, 0, 0.5)))
+    own.view_distance *= 0.5
+    distance = other.view_distance
+    yield from until(lambda: other.view_rotation.rotation_difference(own.view_rotation).angle < 1e-3, 5.0)
+    assert abs(other.view_distance - 0.5 * distance) < 0.01 * distance
+    with view():
+        bpy.ops.lissom.review_mend()
+        assert settings.target.mode == "SCULPT"
+        bpy.ops.lissom.review("INVOKE_DEFAULT")  # Done, from there too
+    yield from until(lambda: len(views()) == 1, 10.0)
+    assert review_state() == before
+
+
+def view():
+    """The context of a button in the sidebar of the first view."""
+    area = views()[0]
+    region = next(region for region in area.regions if region.type == "UI")
+    return bpy.context.temp_override(window=bpy.context.window_manager.windows[0], area=area, region=region)
+
+
+def views():
+    areas = bpy.context.window_manager.windows[0].screen.areas
+    return [area for area in areas if area.type == "VIEW_3D"]
+
+
+def review_state():
+    settings, look = bpy.context.scene.lissom_transfer, views()[0].spaces.active.region_3d
+    objects = [
+        (obj.active_shape_key_index, obj.show_only_shape_key, obj.mode, obj.select_get())
+        for obj in (settings.source, settings.target)
+    ]
+    looks = [*look.view_rotation, *look.view_location, look.view_distance]
+    active = bpy.context.view_layer.objects.active
+    return objects, [round(number, 4) for number in looks], active.name, settings.active_quality
+
+
 def check_row_40_cancelled_at_once_with_nothing_changed():
     # 0.2 s is the core's promise; ticks of the timer and redraws without a graphics card come on top.
     obj = start_long_job()
@@ -463,5 +519,5 @@ def step():
 
 package = addon_utils.enable("bl_ext.user_default.lissom", default_set=False)
 assert package is not None, "install the extension first"
-session, ghost = package.session, package.ghost
+session, ghost = package.session, package.drawing.ghost
 bpy.app.timers.register(step, first_interval=1.0, persistent=True)
