@@ -26,7 +26,7 @@ def _poll(operator_class, context):
 
 
 def unbound_object(name, context):
-    """The mesh object of that name, "" for the active one; Refused where it is bound, or not writable."""
+    """The mesh object of that name, or the active one; Refused where it is bound or not to be written to."""
     obj = checks.mesh_object(name, context)
     if obj.mode != "EDIT":
         checks.require_writable(obj)
