@@ -87,9 +87,13 @@ class Face:
         )
 
 
-@cache
 def face() -> Face:
     """The face that comes along; its arrays are read once, and are not to be written to."""
+    return _read()
+
+
+@cache
+def _read() -> Face:
     with np.load(_PACKED) as packed:
         neutral, expressions, modes = (
             _positions(packed[name], step)
