@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["Face", "face"]
 
 _PACKED = Path(__file__).with_name("face.npz")
+_known: list[Face] = []
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,10 +90,11 @@ class Face:
 
 def face() -> Face:
     """The face that comes along; its arrays are read once, and are not to be written to."""
-    return _read()
+    if not _known:
+        _known.append(_read())
+    return _known[0]
 
 
-@cache
 def _read() -> Face:
     with np.load(_PACKED) as packed:
         neutral, expressions, modes = (
