@@ -9,6 +9,7 @@ from . import commands, live, preferences, rebind, session, watch
 from .core import build
 from .drawing import ghost, guide, marks
 from .operators import (
+    face,
     inbetween_all,
     inbetween_arcs,
     inbetween_bake,
@@ -56,6 +57,7 @@ _OPERATORS = (
     pose_bake,
     pose_drive,
     pose_tool,
+    face,
     transfer_sides,
     transfer_markers,
     transfer_landmarks,

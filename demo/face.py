@@ -1,15 +1,15 @@
-"""The face that comes with the project (data/ict, described in data/README.md), in Blender's axes."""
+"""The face that comes along (`lissom.data`), as large as the demo has it."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
+import lissom.data
 import numpy as np
 
-PACKED = Path(__file__).resolve().parent.parent / "data" / "ict" / "face.npz"
-
-# Stored in centimetres with y up and z forward; Blender has z up and looks along y. A tenth makes
-# decimetres: the head is then about as large as Suzanne.
+# From centimetres to decimetres: the head is then about as large as Suzanne.
 SCALE = 0.1
+
+PARTS = ("face", "head_and_neck", "mouth_socket", "eye_sockets")
+PARTS += ("gums_and_tongue", "teeth", "eyeball_left", "eyeball_right")
 
 
 @dataclass(frozen=True)
@@ -27,37 +27,26 @@ class Face:
 
     def only(self, *parts):
         """The face without its other parts; landmarks on those become -1."""
-        kept = np.isin(self.vertex_part, parts)
-        renumbered = np.where(kept, np.cumsum(kept) - 1, -1).astype(np.int32)
-        polygons = np.isin(self.polygon_part, parts)
-        return Face(
-            self.neutral[kept],
-            self.identity[kept],
-            {name: offsets[kept] for name, offsets in self.expressions.items()},
-            renumbered[self.loops[np.repeat(polygons, self.counts)]],
-            self.counts[polygons],
-            renumbered[self.landmarks],
-            self.vertex_part[kept],
-            self.polygon_part[polygons],
-        )
+        return _of(lissom.data.face().only(*parts))
 
 
-def load(path=PACKED):
-    """Reads the packed face."""
-    packed = np.load(path)
+def load():
+    """The whole face."""
+    return _of(lissom.data.face())
 
-    def positions(name):
-        x, y, z = np.moveaxis(packed[name] * (float(packed["step"]) * SCALE), -1, 0)
-        return np.stack([x, -z, y], axis=-1)
 
-    names = packed["part_names"]
+def _of(face):
+    part = np.empty(len(face.neutral), dtype="U16")
+    for name in PARTS:
+        part[face.regions.get(name, [])] = name
+    names = face.expression_names
     return Face(
-        neutral=positions("neutral"),
-        identity=positions("identity"),
-        expressions=dict(zip(packed["expression_names"].tolist(), positions("expressions"), strict=True)),
-        loops=packed["loops"],
-        counts=packed["counts"].astype(np.int32),
-        landmarks=packed["landmarks"],
-        vertex_part=np.repeat(names, np.diff(packed["part_vertex_starts"])),
-        polygon_part=np.repeat(names, np.diff(packed["part_polygon_starts"])),
+        neutral=SCALE * face.neutral,
+        identity=SCALE * face.modes[0],
+        expressions=dict(zip(names, SCALE * face.expressions, strict=True)),
+        loops=face.loops,
+        counts=face.counts,
+        landmarks=face.landmarks,
+        vertex_part=part,
+        polygon_part=part[face.loops[np.cumsum(face.counts) - face.counts]],
     )

@@ -8,9 +8,9 @@ import argparse
 import bpy
 import lissom
 
-from . import image, inbetween, transfer
+from . import face, image, inbetween, transfer
 
-COMMANDS = {"image": image, "inbetween": inbetween, "transfer": transfer}
+COMMANDS = {"face": face, "image": image, "inbetween": inbetween, "transfer": transfer}
 BAD_INPUT, CANCELLED = 2, 130
 
 _handle = None

@@ -110,20 +110,19 @@ def turned(points, centre, vector):
     return np.sin(angle) * across + (1 - np.cos(angle)) * np.cross(axis, across)
 
 
-def carried(points, rest, offsets):
-    """(n, 3) displacements of points that go with the nearest of some vertices: rest (m, 3), offsets (m, 3).
+def bonds(points, rest):
+    """(n, k) of the nearest of some vertices (m, 3) to (n, 3) points, and (n, k) what each counts.
 
-    Weighed by the inverse of the squared distance to the nearest few.
+    By the inverse of the squared distance.
     """
-    found = np.empty_like(points)
-    for start in range(0, len(points), 512):
-        some = points[start : start + 512]
+    nearest, weights = [], []
+    for some in np.array_split(points, max(1, len(points) // 512)):
         away = ((some[:, None] - rest[None]) ** 2).sum(axis=2)
         near = np.argpartition(away, min(NEIGHBOURS, len(rest) - 1), axis=1)[:, :NEIGHBOURS]
-        weights = 1.0 / (np.take_along_axis(away, near, axis=1) + 1e-12)
-        weights /= weights.sum(axis=1, keepdims=True)
-        found[start : start + 512] = np.einsum("nk,nkd->nd", weights, offsets[near])
-    return found
+        counts = 1.0 / (np.take_along_axis(away, near, axis=1) + 1e-12)
+        nearest.append(near)
+        weights.append(counts / counts.sum(axis=1, keepdims=True))
+    return np.concatenate(nearest), np.concatenate(weights)
 
 
 def rigid_offsets(points, rest, offsets):

@@ -7,16 +7,28 @@ import numpy as np
 from .options import option
 
 # A file stores the place in a list of labels: only append.
+# What each is good for, as its label; what it is called in the papers goes with its line.
 _METHODS = {
-    "laplacian": "Laplacian",
-    "laplacian_fitted": "Laplacian, fitted",
-    "rotation_invariant": "Rotation-invariant",
-    "thin_shell": "Thin shell",
-    "poisson": "Poisson",
-    "multiresolution": "Multiresolution",
-    "arap": "As rigid as possible",
-    "laplacian_rotated": "Laplacian, rotated",
+    "laplacian": "Drag",
+    "laplacian_fitted": "Scale",
+    "rotation_invariant": "Twist",
+    "thin_shell": "Smooth",
+    "poisson": "Fast",
+    "multiresolution": "Wrinkles",
+    "arap": "Natural",
+    "laplacian_rotated": "Drag and Turn",
 }
+PAPERS = {
+    "laplacian": "Laplacian editing, Sorkine et al. 2004",
+    "laplacian_fitted": "Laplacian editing with fitted transformations, Sorkine et al. 2004",
+    "rotation_invariant": "Rotation-invariant coordinates, Lipman et al. 2005",
+    "thin_shell": "Thin shell, Botsch & Kobbelt 2004",
+    "poisson": "Poisson editing, Yu et al. 2004",
+    "multiresolution": "Multiresolution editing, Kobbelt et al. 1998",
+    "arap": "As rigid as possible, Sorkine & Alexa 2007",
+    "laplacian_rotated": "Laplacian editing with estimated rotations, Lipman et al. 2004",
+}
+SHOWN_FIRST = ("arap", "thin_shell", "poisson", "rotation_invariant", "multiresolution")
 METHODS = option("pose", "method", "Method", _METHODS).items  # (name, label, one line)
 
 _BASES = {name: label for name, label in _METHODS.items() if name != "multiresolution"}

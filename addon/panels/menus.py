@@ -129,7 +129,13 @@ def _draw_keys(menu, context):
         transfer.keys = obj.active_shape_key.name
 
 
+def _draw_add(menu, context):
+    menu.layout.separator()
+    menu.layout.operator("lissom.source_face_add", icon="USER")
+
+
 MENUS = {
+    "VIEW3D_MT_mesh_add": _draw_add,
     "VIEW3D_MT_object": _draw_object,
     "VIEW3D_MT_object_context_menu": _draw_object,
     "VIEW3D_MT_edit_mesh_vertices": _draw_vertices,

@@ -149,6 +149,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
                 split_column(row).prop(part, "object", text=" ", icon="OUTLINER_OB_MESH")
                 remove = row.operator("lissom.transfer_parts", text="", icon="REMOVE")
                 remove.side, remove.remove = side.upper(), place
+        self._draw_face(layout, settings)
         row = layout.row(align=True)
         row.operator("lissom.transfer_sides", icon="RESTRICT_SELECT_OFF")
         row.operator("lissom.transfer_sides", text="", icon="UV_SYNC_SELECT").swap = True
@@ -181,6 +182,18 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         draw[settings.what](layout, settings)
         if settings.what == "KEYS":
             draw_quality(layout, settings)
+
+    def _draw_face(self, layout, settings):
+        """The first offer: no source, no marker."""
+        if settings.source is not None:
+            return
+        box = layout.box()
+        draw_lines(box, "USER", "A head without face keys gets them by one press: no source, no marker")
+        split_column(box).prop(settings, "face_names")
+        row = box.row()
+        row.scale_y = 1.4
+        row.operator("lissom.face_keys", icon="SHAPEKEY_DATA").names = settings.face_names
+        layout.label(text="Or from a face of your own:")
 
     def _draw_fit_options(self, column, settings):
         if len(settings.markers) and not settings.overlap:

@@ -16,12 +16,16 @@ from bpy.props import (
 from .. import live, rebind
 from ..bridge.applied import PROBES
 from ..core.mirrors import SYMMETRIES
-from ..core.pose_options import METHODS, OPTIONS
+from ..core.pose_options import METHODS, OPTIONS, PAPERS, SHOWN_FIRST
 from ..core.stays import STAYS
 from .options import option_property
 
 # The table's place is what a file stores.
-METHOD_ITEMS = [(*item, number) for number, item in enumerate(METHODS)]
+_METHODS = {
+    name: (name, label, f"{line} ({PAPERS[name]})", number)
+    for number, (name, label, line) in enumerate(METHODS)
+}
+METHOD_ITEMS = [_METHODS[name] for name in dict.fromkeys((*SHOWN_FIRST, *_METHODS))]
 STAY_ITEMS = [(*item, number) for number, item in enumerate(STAYS)]
 
 BAKE_ITEMS = [

@@ -112,6 +112,20 @@ def contact_property():
     return option_property(option("transfer", "contact", "Contact"))
 
 
+def face_names_property():
+    """Which face keys, and what they are called."""
+    return EnumProperty(
+        name="Names",
+        description="Which keys, and what they are called",
+        items=[
+            ("ARKIT", "ARKit", "The 52 of Apple's ARKit, as Live Link Face and VSeeFace have them"),
+            ("ICT", "ICT", "The 53 of the face that comes along, left and right apart"),
+            ("VRM", "VRM", "The preset expressions of VRM 1.0"),
+            ("VISEMES", "Visemes", "The 15 of Oculus's lip sync"),
+        ],
+    )
+
+
 def drop_empty_property():
     """Whether keys that move nothing are left out."""
     return BoolProperty(
@@ -358,6 +372,7 @@ class LissomTransfer(bpy.types.PropertyGroup):
     curves: CollectionProperty(type=LissomCurve)
     source_edges: StringProperty(description="The hash of the source's edges when its markers were placed")
     target_edges: StringProperty(description="The hash of the target's edges when its markers were placed")
+    face_names: face_names_property()
     landmarks: EnumProperty(
         name="Landmarks",
         description="Which places Pick asks for, one after the other",

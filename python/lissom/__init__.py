@@ -8,6 +8,7 @@ cancels it; ``start_x(...)`` takes the same arguments and returns a :class:`Job`
 is what ``x`` returns.
 """
 
+from . import data, names
 from ._image import ImageMesh, image_mesh, start_image_mesh
 from ._inbetween import Blend, Inbetween, Keyframes, start_blend, start_inbetween
 from ._native import (
@@ -69,8 +70,10 @@ __all__ = [
     "TransferReport",
     "Transferred",
     "__version__",
+    "data",
     "fit_correspondence",
     "image_mesh",
+    "names",
     "options",
     "start_blend",
     "start_fit",

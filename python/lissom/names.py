@@ -1,4 +1,4 @@
-"""What face keys are called elsewhere: ARKit's 52, VRM's expressions and 15 visemes, as sums of ICT FaceKit's.
+"""What face keys are called elsewhere: ARKit's 52, VRM's expressions, 15 visemes, as sums of ICT FaceKit's.
 
 The names are those of Apple's ``ARFaceAnchor.BlendShapeLocation``, of the VRM 1.0 specification
 (``VRMC_vrm.expressions``) and of the Oculus lip sync's visemes as engines know them. The sums of VRM and of
@@ -101,9 +101,9 @@ def combined(
 ) -> tuple[list[str], NDArray[Any], list[str]]:
     """The keys of a set as sums of ICT FaceKit's.
 
-    ``kind`` is one of ``SETS``, ``names`` (k,) ICT's with ``offsets`` (k, ...) of any shape. Returns the names
-    in the set's order, their offsets (m, ...), and the names that are left out, for want of what they are made
-    of. Raises ``ValueError`` for another set.
+    ``kind`` is one of ``SETS``, ``names`` (k,) ICT's with ``offsets`` (k, ...) of any shape. Returns the
+    names in the set's order, their offsets (m, ...), and the names that are left out, for want of what they
+    are made of. Raises ``ValueError`` for another set.
     """
     if kind not in SETS:
         raise ValueError(f"kind: expected one of {', '.join(SETS)}, not {kind!r}")

@@ -1,13 +1,11 @@
 """Landmarks: the sets, against the landmarks of a face whose order is known."""
 
 import re
-from pathlib import Path
 
+import lissom
 import numpy as np
 import pytest
 from lissom_addon_core import landmarks, marker_places
-
-FACE = Path(__file__).parents[2] / "data" / "ict" / "face.npz"
 
 
 @pytest.mark.parametrize("kind", landmarks.SETS)
@@ -30,8 +28,8 @@ def test_sets_have_as_many_places_as_they_say(kind, count):
 def test_the_68_are_where_a_face_has_them():
     """In the order of the landmarks that faces come with: the picture is the face from the front."""
     shown = np.array([one.spot for one in landmarks.FACE], dtype=float)
-    with np.load(FACE) as face:
-        spots = face["neutral"][face["landmarks"], :2].astype(float)
+    face = lissom.data.face()
+    spots = face.neutral[face.landmarks][:, [0, 2]]
     low, high = spots.min(axis=0), spots.max(axis=0)
     assert np.abs(shown - 100 * (spots - (low + high) / 2) / (high - low).max()).max() < 1.0
 

@@ -115,7 +115,8 @@ def text(drawn):
 def test_an_empty_scene_says_what_to_do(panels):
     assert "Select a mesh object" in text(draw(panels["pose"]))
     assert "Select a mesh object" in text(draw(panels["inbetween"]))
-    assert set(draw(panels["transfer"])["operators"]) == {"lissom.transfer_parts", "lissom.transfer_sides"}
+    offered = set(draw(panels["transfer"])["operators"])
+    assert offered == {"lissom.face_keys", "lissom.transfer_parts", "lissom.transfer_sides"}
 
 
 def test_pose_before_and_after_bind(panels):

@@ -1,25 +1,13 @@
 """Names of face keys in other places, as sums of ICT FaceKit's."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from lissom import names
-
-FACE = next(
-    path
-    for path in (
-        Path(__file__).parents[2] / "python" / "lissom" / "data" / "face.npz",
-        Path(__file__).parents[2] / "data" / "ict" / "face.npz",
-    )
-    if path.exists()
-)
+from lissom import data, names
 
 
 @pytest.fixture(scope="module")
 def ict():
-    with np.load(FACE) as face:
-        return face["expression_names"].tolist()
+    return list(data.face().expression_names)
 
 
 def test_arkits_52_are_apples_in_their_order(ict):

@@ -5,16 +5,12 @@ survey (Botsch & Sorkine 2008) describe it: plain Laplacians do not turn and pin
 on large turns, frames and gradient fields bend evenly, ARAP keeps lengths best.
 """
 
-import pathlib
-
 import lissom
 import numpy as np
 import pytest
-from faces import triangulate
 from figures import closed_volume, dihedral_change, edge_error, ring_twist, smallest_dihedral
 from shapes import bend, ends, prism, rigid
 
-FACE = pathlib.Path(__file__).parents[2] / "data" / "ict" / "face.npz"
 TURNING = ("rotation_invariant", "poisson", "multiresolution")
 
 
@@ -25,12 +21,8 @@ def cylinder():
 
 def head():
     """The skin of the face that comes with the project, in centimetres, y up: shoulders held, head turned."""
-    packed = np.load(FACE)
-    skin = packed["part_vertex_starts"][2]  # face, then head and neck
-    vertices = packed["neutral"][:skin] * float(packed["step"])
-    counts, loops = packed["counts"].astype(int), packed["loops"]
-    faces = triangulate(loops, counts)
-    faces = faces[(faces < skin).all(axis=1)]
+    face = lissom.data.face().only("face", "head_and_neck")
+    vertices, faces = face.neutral[:, [0, 2, 1]] * (1, 1, -1), face.triangles
     y, z = vertices[:, 1], vertices[:, 2]
     chest = np.flatnonzero(y < -14.2)
     top = np.flatnonzero(y > -5.2 - 0.7 * z)

@@ -1,0 +1,72 @@
+"""``blender --command lissom face``: gives a head the shape keys of a whole face, as Face Keys does."""
+
+import pathlib
+import time
+from dataclasses import asdict
+
+import bpy
+import lissom
+from lissom import names
+
+from ..core.files import write_json
+from ..core.refused import Refused
+from ..jobs.face import FaceAsked, FaceKeys
+from ..properties.transfer import EXISTS_ITEMS
+from . import outputs
+
+SUMMARY = "give a head the shape keys of a whole face, found by its shape alone"
+DONE, BAD_INPUT = 0, 2
+
+
+def configure(parser):
+    """Adds the command's arguments to an argparse.ArgumentParser."""
+    add = parser.add_argument
+    add("--file", required=True, help="the .blend file with the head")
+    add("--target", required=True, help="mesh object of the head, upright and looking along -Y")
+    add("--parts", nargs="+", default=[], help="further objects, as eyes, teeth and lashes")
+    add(
+        "--names",
+        choices=[name.lower() for name in names.SETS],
+        default="arkit",
+        help="what the keys are called",
+    )
+    add("--exists", choices=[item[0].lower() for item in EXISTS_ITEMS], default="update")
+    add("--edited", choices=("keep", "carry", "overwrite"), default="keep", help="keys edited by hand (keep)")
+    add("--no-contact", action="store_true", help="let lids and lips pass each other")
+    add("--strength", type=float, default=1.0, help="of all keys (1)")
+    add("--out", required=True, help="the .blend file to write")
+    add("--report", help="also write what was done as JSON")
+
+
+def run(arguments):
+    """Reads, makes the keys, writes; returns the exit code."""
+    started = time.perf_counter()
+    try:
+        outputs.check(arguments, ("file",), ("out", "report"))
+        if not 0 <= arguments.strength <= 10:
+            raise Refused("--strength: choose a number from 0 to 10")
+        bpy.ops.wm.open_mainfile(filepath=str(pathlib.Path(arguments.file).resolve()), load_ui=False)
+        asked = FaceAsked(
+            target=arguments.target,
+            parts="\n".join(arguments.parts),
+            names=arguments.names.upper(),
+            exists=arguments.exists.upper(),
+            edited=arguments.edited.upper(),
+            contact=not arguments.no_contact,
+            strength=arguments.strength,
+        )
+        job = FaceKeys(bpy.context, asked)
+        done = job.write(bpy.context, job.work.wait())
+        outputs.save(arguments.out)
+        if arguments.report:
+            write_json(arguments.report, asdict(done) | {"seconds": round(time.perf_counter() - started, 3)})
+    except (Refused, lissom.Error, RuntimeError, OSError) as error:
+        print(f"Error: {str(error).removeprefix('Error: ').strip()}")
+        return BAD_INPUT
+    for warning in done.warnings:
+        print(f"Warning: {warning}")
+    for row in done.quality:
+        if row["verdict"] != "good":
+            print(f"{row['name']}: {row['verdict']}: {', '.join(row['reasons'])}")
+    print(done.summary)
+    return DONE

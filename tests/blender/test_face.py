@@ -1,0 +1,160 @@
+"""Face keys by one press, on people whose answers are known, and the face that they come from."""
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+from bl_ext.user_default.lissom import commands
+from bl_ext.user_default.lissom.jobs.face import FaceAsked, FaceKeys
+from lissom import data, names
+
+SIZE = 0.07  # of the people's units in centimetres
+
+
+def made(name, vertices, face):
+    """An object of a part of the face."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(vertices.tolist(), [], face.triangles.tolist())
+    obj = bpy.data.objects.new(name, mesh)
+    bpy.context.collection.objects.link(obj)
+    return obj
+
+
+def positions(points):
+    found = np.empty(3 * len(points), dtype=np.float32)
+    points.foreach_get("co", found)
+    return found.reshape(-1, 3).astype(float)
+
+
+def delta(obj, name):
+    keys = obj.data.shape_keys.key_blocks
+    return positions(keys[name].data) - positions(keys["Basis"].data)
+
+
+@pytest.fixture
+def person():
+    """{name: (object, its part of the face)} of a random person, keyed by one press; and what was done."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    whole = data.face()
+    other = np.tensordot(np.random.default_rng(5).normal(size=len(whole.modes)), whole.modes, 1)
+    found = {}
+    for name, regions in {
+        "Head": ("face", "head_and_neck"),
+        "Eyes": ("eyeball_left", "eyeball_right"),
+        "Teeth": ("lower_teeth",),
+    }.items():
+        kept = np.concatenate([whole.regions[region] for region in regions])
+        part = whole.only(*regions)
+        found[name] = made(name, SIZE * (part.neutral + other[np.sort(kept)]), part), part
+    job = FaceKeys(bpy.context, FaceAsked(target="Head", parts="Eyes\nTeeth"))
+    return found, job.write(bpy.context, job.work.wait())
+
+
+def test_a_person_gets_arkits_keys_that_are_its_own(person):
+    found, done = person
+    head, part = found["Head"]
+    made_of, offsets, left = names.combined("ARKIT", part.expression_names, part.expressions)
+    assert done.written["Head"] == made_of and done.left == left == ["tongueOut"]
+    errors = [
+        np.linalg.norm(delta(head, name) - SIZE * known) / np.linalg.norm(SIZE * known)
+        for name, known in zip(made_of, offsets, strict=True)
+    ]
+    assert np.median(errors) < 0.12
+    assert done.landmarks == []
+    assert sum(row["verdict"] == "bad" for row in done.quality) == 0
+
+
+def test_eyes_turn_about_their_centres_and_teeth_go_with_the_jaw(person):
+    found, done = person
+    assert done.kinds["Head"] == [] and done.kinds["Eyes"] == ["EYE", "EYE"]
+    assert set(done.kinds["Teeth"]) == {"LOWER"}
+    eyes, part = found["Eyes"]
+    left, rest = part.regions["eyeball_left"], positions(eyes.data.vertices)
+    up = delta(eyes, "eyeLookUpLeft")
+    assert not up[part.regions["eyeball_right"]].any()
+    front = left[rest[left, 1].argmin()]
+    assert up[front, 2] > 0.9 * abs(up[front]).max()
+    before, after = rest[left], (rest + up)[left]
+    kept = [np.linalg.norm(p[1:] - p[:-1], axis=1) for p in (before, after)]
+    np.testing.assert_allclose(*kept, rtol=1e-3, atol=1e-5)
+    teeth, part = found["Teeth"]
+    known = SIZE * part.expressions[part.expression_names.index("jawOpen")]
+    away = np.linalg.norm(delta(teeth, "jawOpen") - known, axis=1).mean()
+    assert away < 0.15 * np.linalg.norm(known, axis=1).mean()
+    assert done.written["Eyes"] == [name for name in names.TABLES["ARKIT"] if name.startswith("eyeLook")]
+
+
+def test_what_is_no_face_is_refused_and_nothing_written():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.mesh.primitive_torus_add(major_segments=60, minor_segments=30)
+    torus = bpy.context.object
+    with pytest.raises(RuntimeError, match=r"face|common"):
+        bpy.ops.lissom.face_keys(target=torus.name)
+    assert torus.data.shape_keys is None
+
+
+def test_the_face_is_added_as_high_as_what_is_selected():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.mesh.primitive_cube_add(size=3.0)
+    bpy.context.object.rotation_euler = (0.3, 0, 0)
+    bpy.context.object.scale = (1, 1, 2)
+    bpy.context.view_layer.update()
+    high = np.ptp([(bpy.context.object.matrix_world @ v.co).z for v in bpy.context.object.data.vertices])
+    assert bpy.ops.lissom.source_face_add(names="ARKIT") == {"FINISHED"}
+    made = bpy.context.object
+    assert made.name == "Source Face" and made.dimensions.z == pytest.approx(high, rel=1e-5)
+    assert made.data.shape_keys.key_blocks.keys()[1:] == list(names.TABLES["ARKIT"])[:-1]
+    assert all(key.value == 0 for key in list(made.data.shape_keys.key_blocks)[1:])
+    lids = made.vertex_groups["upper_lid_left"].index
+    count = sum(any(g.group == lids for g in v.groups) for v in made.data.vertices)
+    assert count == len(data.face().regions["upper_lid_left"])
+    assert not made.data.validate()
+
+
+def test_one_mesh_with_its_eyes_is_told_apart_and_parts_are_carried():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    whole = data.face().only("face", "head_and_neck", "eyeball_left", "eyeball_right")
+    lash = data.face().only("upper_lid_left")
+    amounts = [1.0, -0.5, 0.7]
+    person, lashes = (
+        SIZE * (part.neutral + np.tensordot(amounts, part.modes[:3], 1)) for part in (whole, lash)
+    )
+    head = made("Head", person, whole)
+    made("Lashes", lashes + [0, -0.01, 0], lash)
+    assert bpy.ops.lissom.face_keys(target="Head", parts="Lashes", names="ICT") == {"FINISHED"}
+    blink = delta(bpy.data.objects["Lashes"], "eyeBlink_L")
+    known = SIZE * lash.expressions[lash.expression_names.index("eyeBlink_L")]
+    assert np.linalg.norm(blink - known) < 0.3 * np.linalg.norm(known)
+    look = delta(head, "eyeLookUp_L")
+    left, right = (whole.regions[f"eyeball_{side}"] for side in ("left", "right"))
+    assert np.linalg.norm(look[left], axis=1).max() > 0.3 * SIZE and not look[right].any()
+    assert not delta(head, "jawOpen")[left].any()
+
+
+def test_the_command_writes_keys_and_a_report(tmp_path):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    whole = data.face().only("face", "head_and_neck")
+    made("Head", SIZE * whole.neutral, whole)
+    path, out, report = (str(tmp_path / name) for name in ("in.blend", "out.blend", "report.json"))
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    words = [
+        "face",
+        "--file",
+        path,
+        "--target",
+        "Head",
+        "--names",
+        "visemes",
+        "--out",
+        out,
+        "--report",
+        report,
+    ]
+    assert commands.main(words) == 0
+    with open(report, encoding="utf-8") as file:
+        told = json.load(file)
+    assert told["written"]["Head"] == list(names.TABLES["VISEMES"]) and told["report"]["certainty"] > 0.9
+    bpy.ops.wm.open_mainfile(filepath=out)
+    assert bpy.data.objects["Head"].data.shape_keys.key_blocks.keys()[1:] == told["written"]["Head"]
+    assert commands.main([*words[:4], "Nobody", *words[5:]]) == 2
