@@ -61,6 +61,7 @@ class LISSOM_MT_object(bpy.types.Menu):
         self.layout.operator("lissom.marker_pick")
         for what in ("fit", "keys", "pose", "animation", "attributes"):
             buttons.transfer(what)
+        self.layout.operator("lissom.review")
         self.layout.separator()
         buttons.page("INBETWEEN", "In-between Panel", "IPO_EASE_IN_OUT")
         buttons.bake()

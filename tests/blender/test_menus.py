@@ -20,7 +20,15 @@ def test_f3_finds_every_operator_of_the_three_jobs():
     for name in menus.MENUS:
         found |= set(drawn_into(name)["operators"])
     found |= set(draw(bpy.types.LISSOM_MT_object)["operators"])
-    for name in ("pose_bind", "pose_apply", "transfer_fit", "transfer_keys", "marker_pick", "inbetween_bake"):
+    for name in (
+        "pose_bind",
+        "pose_apply",
+        "transfer_fit",
+        "transfer_keys",
+        "marker_pick",
+        "review",
+        "inbetween_bake",
+    ):
         assert f"lissom.{name}" in found
     assert {"lissom.pose_handle_add", "lissom.curve_add"} <= found
 
