@@ -236,6 +236,41 @@ with multiprocessing.get_context("fork").Pool(2) as pool:
     assert done.returncode == 0, done.stderr.decode()
 
 
+def test_a_forked_process_does_not_wait_for_what_its_parent_does():
+    """A job, and a pose that a job is busy with; poses and jobs that were done are of use in both."""
+    script = """
+import os, sys, time, numpy as np, lissom
+sys.path.insert(0, sys.argv[1])
+from shapes import ends, rigid, tube
+vertices, faces = tube(rows=400, columns=60)
+busy, idle = (lissom.Pose(lissom.Mesh(vertices, faces), ends(vertices)) for _ in range(2))
+goal = [np.eye(4), rigid((0, 0, 1), 0.5)]
+done = idle.start_solve(goal)
+done.result()
+job = busy.start_solve(goal, max_iterations=10**9, tolerance=0.0)
+time.sleep(0.2)
+child = os.fork()
+if child == 0:
+    failed = 0
+    for use in (job.result, lambda: job.done, lambda: busy.solve(goal), lambda: busy.solve(goal)):
+        try:
+            use()
+        except lissom.SolveFailed as error:
+            failed += "forked" in str(error)
+    same = (done.result().vertices == idle.solve(goal, max_iterations=0).vertices).all()
+    os._exit(0 if failed == 4 and same else 1)
+ended = os.waitpid(child, 0)[1]
+assert not job.done
+job.cancel()
+sys.exit(ended != 0)
+"""
+    here = __file__.rsplit("/", 1)[0]
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", script, here], timeout=60, capture_output=True
+    )
+    assert done.returncode == 0, done.stderr.decode()
+
+
 def test_a_dropped_job_stops(pose):
     """The pose is free again at once, which it would not be while a solve went on."""
     job = pose.start(GOAL, **ENDLESS)
@@ -308,3 +343,27 @@ def test_a_cancelled_solve_leaves_the_last_pose_to_go_on_from(pose):
     with pytest.raises(lissom.Cancelled):
         job.result()
     assert np.array_equal(pose.solve(GOAL, **one).vertices, expected)
+
+
+def test_what_fails_or_is_cancelled_at_any_time_forgets_no_turn():
+    """A handle turned once round stays so: the next solve goes on from the last one that gave a result."""
+    pose = bound()
+    once = rigid((1, 0, 0), 0.3)
+    pose.solve([np.eye(4), once], turns=[[0, 0, 0], [2 * np.pi, 0, 0]])
+    rng = np.random.default_rng(7)
+    for _ in range(12):
+        expected = pose.solve([np.eye(4), once], max_iterations=0).vertices
+        far = rigid(rng.normal(size=3), 3.0)
+        with pytest.raises(lissom.SolveFailed):
+            pose.solve([np.eye(4), far * [[1e308], [1e308], [1e308], [1]]])
+        job = pose.start_solve([np.eye(4), far], max_iterations=10)
+        time.sleep(rng.uniform(0, 0.01))
+        job.cancel()
+        try:
+            expected = job.result().vertices
+        except lissom.Cancelled:
+            found = pose.solve([np.eye(4), once], max_iterations=0).vertices
+        else:
+            found = pose.solve([np.eye(4), far], max_iterations=0).vertices
+        assert np.abs(found - expected).max() < 1e-9
+        pose.solve([np.eye(4), once], turns=[[0, 0, 0], [2 * np.pi, 0, 0]], warm_start=False)

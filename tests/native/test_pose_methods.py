@@ -1,5 +1,7 @@
 """What every method promises alike: exactness, repetition, and the bad inputs by their numbers."""
 
+import resource
+
 import lissom
 import numpy as np
 import pytest
@@ -296,7 +298,7 @@ def test_row_39_more_memory_than_there_is(method, monkeypatch):
     needed = pose.info["factor_nonzeros"] // 3 * 8
     monkeypatch.setenv("LISSOM_MEMORY_LIMIT", "1e4")
     with pytest.raises(
-        lissom.OutOfMemory, match=r"the factor would take .*, there are 10000 bytes"
+        lissom.OutOfMemory, match=r"the (factor|matrix) would take .*, there are 10000 bytes"
     ) as caught:
         lissom.Pose(mesh, [LOW, HIGH], method=method)
     assert isinstance(caught.value, MemoryError) and isinstance(caught.value, lissom.Error)
@@ -306,6 +308,32 @@ def test_row_39_more_memory_than_there_is(method, monkeypatch):
     again = lissom.Pose(mesh, [LOW, HIGH], method=method)
     answers = [p.solve([np.eye(4), MOTION], **OPTIONS).vertices for p in (pose, again)]
     assert np.array_equal(*answers)
+
+
+@pytest.mark.parametrize("degree", [6000, 9000])
+def test_row_39_a_vertex_of_high_degree_is_refused_by_counting(method, degree, monkeypatch):
+    """Second differences at a vertex of so many triangles make a full matrix, which is not formed first."""
+    angle = np.linspace(0, 2 * np.pi, degree, endpoint=False)
+    around = [np.column_stack([r * np.cos(angle), r * np.sin(angle), 0 * angle]) for r in (1.0, 1.1)]
+    i = np.arange(degree)
+    j = (i + 1) % degree
+    triangles = [
+        [0 * i, 1 + i, 1 + j],
+        [1 + i, 1 + degree + i, 1 + j],
+        [1 + j, 1 + degree + i, 1 + degree + j],
+    ]
+    faces = np.concatenate([np.column_stack(t) for t in triangles])
+    mesh = lissom.Mesh(np.concatenate([[[0, 0, 0.5]], *around]), faces)
+    handles = [np.arange(1 + degree, 1 + 2 * degree), [0]]
+    monkeypatch.setenv("LISSOM_MEMORY_LIMIT", "1e8")
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    try:
+        pose = lissom.Pose(mesh, handles, method=method)
+    except lissom.OutOfMemory as error:
+        assert error.needed > 1e8
+    else:
+        assert pose.info["factor_bytes"] < 1e8
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 2e5
 
 
 def test_what_binding_made(method):

@@ -21,6 +21,10 @@ const PATIENCE: Duration = Duration::from_millis(100);
 /// Turns a result into a Python object, once the interpreter is held again.
 type Convert = Box<dyn FnOnce(Python<'_>) -> PyResult<Py<PyAny>> + Send>;
 
+/// What a process is told of work that its parent had under way when it forked.
+pub const ELSEWHERE: &str =
+    "under way in the process that this one was forked from, where it stays: begin anew here";
+
 enum Outcome {
     Done(Convert),
     Failed(Error),
@@ -41,6 +45,8 @@ enum State {
 pub struct PyJob {
     job: Job,
     state: Mutex<State>,
+    /// Where its thread is.
+    process: u32,
     /// What the caller makes of the result.
     then: OnceLock<Py<PyAny>>,
 }
@@ -100,11 +106,19 @@ impl PyJob {
             let _ = sender.send(outcome);
         };
         std::thread::Builder::new().name("lissom".into()).spawn(run)?;
-        Ok(Self { job, state: Mutex::new(State::Running(receiver)), then: OnceLock::new() })
+        let (state, process) = (Mutex::new(State::Running(receiver)), std::process::id());
+        Ok(Self { job, state, process, then: OnceLock::new() })
     }
 
     /// Waits up to `time` with the interpreter released; whether the job has finished.
-    fn wait(&self, py: Python<'_>, time: Duration) -> bool {
+    fn wait(&self, py: Python<'_>, time: Duration) -> PyResult<bool> {
+        if self.process != std::process::id() {
+            // The thread that works or waits, maybe with the lock, does not survive a fork.
+            return match self.state.try_lock().as_deref() {
+                Ok(State::Finished(_)) => Ok(true),
+                _ => Err(errors::to_python(Error::SolveFailed(format!("the job is {ELSEWHERE}")))),
+            };
+        }
         // The lock is only ever taken without the interpreter, or two waiting threads would hold one
         // each and wait for the other.
         let outcome = py.detach(|| {
@@ -115,12 +129,12 @@ impl PyJob {
             }
         });
         let result = match outcome {
-            None => return true,
-            Some(Err(RecvTimeoutError::Timeout)) => return false,
+            None => return Ok(true),
+            Some(Err(RecvTimeoutError::Timeout)) => return Ok(false),
             // Another thread that waits has taken the outcome and is about to store it.
             Some(Err(RecvTimeoutError::Disconnected)) => {
                 py.detach(|| std::thread::sleep(Duration::from_millis(1)));
-                return false;
+                return Ok(false);
             }
             Some(Ok(_)) if self.job.is_cancelled() => Err(errors::to_python(Error::Cancelled)),
             Some(Ok(Outcome::Done(convert))) => convert(py).and_then(|made| match self.then.get() {
@@ -131,7 +145,7 @@ impl PyJob {
             Some(Ok(Outcome::Panicked(payload))) => Err(errors::from_panic(&*payload)),
         };
         self.finish(py, result);
-        true
+        Ok(true)
     }
 
     fn finish(&self, py: Python<'_>, result: PyResult<Py<PyAny>>) {
@@ -151,7 +165,7 @@ impl PyJob {
 
     /// Whether `result()` returns at once.
     #[getter]
-    fn done(&self, py: Python<'_>) -> bool {
+    fn done(&self, py: Python<'_>) -> PyResult<bool> {
         self.wait(py, Duration::ZERO)
     }
 
@@ -176,7 +190,7 @@ impl PyJob {
     /// Waits for the job and returns its result, or raises its error. Ctrl-C cancels it.
     pub fn result(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let mut cancelled: Option<Instant> = None;
-        while !self.wait(py, GLANCE) {
+        while !self.wait(py, GLANCE)? {
             if let Err(interrupt) = py.check_signals() {
                 self.job.cancel();
                 return Err(interrupt);

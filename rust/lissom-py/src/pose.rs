@@ -1,13 +1,13 @@
 //! Poses: bound, and solved by matrices or points.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
-use lissom::Vec3;
 use lissom::pose::{CommonOptions, Handle, MethodOptions, Pose, Posed, SolveOptions};
+use lissom::{Error, Vec3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::job::PyJob;
+use crate::job::{ELSEWHERE, PyJob};
 use crate::mesh::PyMesh;
 use crate::{arrays, errors, fields, options};
 
@@ -15,6 +15,8 @@ use crate::{arrays, errors, fields, options};
 #[pyclass(name = "Pose", module = "lissom._native", frozen)]
 pub struct PyPose {
     pose: Arc<Mutex<Pose>>,
+    /// The process that may use it; none where it was busy when that was forked, and waiting would be forever.
+    process: Mutex<Option<u32>>,
     /// Unknowns, values and bytes of the factors, seconds.
     #[pyo3(get)]
     info: (usize, usize, usize, f64),
@@ -53,7 +55,8 @@ pub fn start_pose(
             let info = pose.info();
             let info = (info.unknowns, info.nonzeros, info.bytes, info.seconds);
             let warnings = pose.warnings().to_vec();
-            Ok(Py::new(py, PyPose { pose: Arc::new(Mutex::new(pose)), info, warnings })?.into_any())
+            let process = Mutex::new(Some(std::process::id()));
+            Ok(Py::new(py, PyPose { pose: Arc::new(Mutex::new(pose)), process, info, warnings })?.into_any())
         },
     )
 }
@@ -73,6 +76,20 @@ fn posed(py: Python<'_>, posed: Posed) -> PyResult<Py<PyAny>> {
     Ok((vertices, transforms, report).into_pyobject(py)?.into_any().unbind())
 }
 
+impl PyPose {
+    /// The pose, to be locked on the thread of a job.
+    fn shared(&self) -> PyResult<Arc<Mutex<Pose>>> {
+        let mut process = self.process.lock().unwrap_or_else(PoisonError::into_inner);
+        let own = std::process::id();
+        if process.is_some_and(|process| process != own) {
+            // The first use here: nobody of this process has locked it yet.
+            *process = (!matches!(self.pose.try_lock(), Err(TryLockError::WouldBlock))).then_some(own);
+        }
+        let elsewhere = || errors::to_python(Error::SolveFailed(format!("the pose is {ELSEWHERE}")));
+        process.map(|_| self.pose.clone()).ok_or_else(elsewhere)
+    }
+}
+
 #[pymethods]
 impl PyPose {
     fn start_solve(
@@ -87,7 +104,7 @@ impl PyPose {
         let turns: Option<Vec<Vec3>> = turns.map(|turns| arrays::points("turns", turns)).transpose()?;
         let by_itself = by_itself.map(|handles| arrays::vertex_list("by_itself", handles)).transpose()?;
         let by_itself = by_itself.unwrap_or_default();
-        let pose = self.pose.clone();
+        let pose = self.shared()?;
         let work = move |job: &_| {
             let mut pose = pose.lock().unwrap_or_else(PoisonError::into_inner);
             pose.solve(&transforms, turns.as_deref(), &by_itself, &options, job)
@@ -98,7 +115,7 @@ impl PyPose {
     fn start_solve_points(&self, targets: &Bound<'_, PyAny>, options: &Bound<'_, PyDict>) -> PyResult<PyJob> {
         let options = solve_options(options)?;
         let targets = arrays::points("targets", targets)?;
-        let pose = self.pose.clone();
+        let pose = self.shared()?;
         let work = move |job: &_| {
             pose.lock().unwrap_or_else(PoisonError::into_inner).solve_points(&targets, &options, job)
         };

@@ -1,6 +1,6 @@
 //! Progress and cancellation of long work.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -9,6 +9,11 @@ use crate::{Error, Result};
 
 /// Items worked on between two looks at the job.
 const BATCH: usize = 4096;
+
+/// Phases of a job.
+const RUNNING: u8 = 0;
+const CANCELLED: u8 = 1;
+const FINISHED: u8 = 2;
 
 /// A handle shared by the thread that works and the one that watches.
 ///
@@ -19,7 +24,8 @@ pub struct Job(Arc<State>);
 
 #[derive(Debug, Default)]
 struct State {
-    cancelled: AtomicBool,
+    /// [`RUNNING`], [`CANCELLED`] or [`FINISHED`].
+    phase: AtomicU8,
     fraction: AtomicU64,
     stage: Mutex<&'static str>,
 }
@@ -50,12 +56,27 @@ impl Job {
 
     /// Asks the worker to stop.
     pub fn cancel(&self) {
-        self.0.cancelled.store(true, Ordering::Relaxed);
+        self.leave(CANCELLED);
+    }
+
+    /// Ends what can be cancelled: what the work changes from here on, it changes whole.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Cancelled`], see [`Job::check`].
+    pub fn finish(&self) -> Result<()> {
+        self.leave(FINISHED);
+        self.check()
+    }
+
+    /// The first to leave decides.
+    fn leave(&self, phase: u8) {
+        let _ = self.0.phase.compare_exchange(RUNNING, phase, Ordering::Relaxed, Ordering::Relaxed);
     }
 
     /// Whether the worker has been asked to stop.
     pub fn is_cancelled(&self) -> bool {
-        self.0.cancelled.load(Ordering::Relaxed)
+        self.0.phase.load(Ordering::Relaxed) == CANCELLED
     }
 
     /// [`Error::Cancelled`] once the watcher has asked to stop.

@@ -4,10 +4,14 @@ use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use rayon::prelude::*;
 
 use crate::geometry::rows::Rows;
-use crate::{Mat3, Vec3};
+use crate::{Mat3, Result, Vec3, memory};
 
 /// Columns that a thread takes at once.
 const GRAIN: usize = 4096;
+
+/// What an entry of a product takes while it is assembled, summed with others and constrained: up to four copies, of a
+/// value and one or two indices.
+const BYTES_PER_ENTRY: u128 = 64;
 
 /// A sparse symmetric matrix; only the lower triangle is stored.
 #[derive(Debug, Clone)]
@@ -37,6 +41,18 @@ impl SymmetricMatrix {
             starts.push(rows.len() as u32);
         }
         Self::from_parts(starts, rows, values)
+    }
+
+    /// Refuses products that do not fit, before any is formed; `listed` says how many, of the same place or not, meet in
+    /// each of `n` columns.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Error::OutOfMemory`].
+    pub fn weigh(n: usize, listed: impl Fn(usize) -> usize) -> Result<()> {
+        // Only the lower half is kept.
+        let entries: u128 = (0..n).map(|j| (listed(j).min(n) / 2 + 1) as u128).sum();
+        memory::check("the matrix", BYTES_PER_ENTRY * entries)
     }
 
     /// The 3n x 3n matrix of 3 x 3 blocks. `fill(k, list)` lists the block column `k` from its diagonal
@@ -95,10 +111,15 @@ impl SymmetricMatrix {
 
     /// `sum over rows (w, a) of w a a^T`, where a row is a list of `(column, value)` that names no column
     /// twice.
-    pub fn normal<'a>(n: usize, rows: impl IntoIterator<Item = (f64, &'a [(u32, f64)])>) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Error::OutOfMemory`]: a row of `k` values makes `k^2 / 2` entries.
+    pub fn normal<'a>(n: usize, rows: impl IntoIterator<Item = (f64, &'a [(u32, f64)])>) -> Result<Self> {
         let rows: Vec<(f64, &[(u32, f64)])> = rows.into_iter().collect();
         let named = (0u32..).zip(&rows).flat_map(|(r, (_, row))| row.iter().map(move |&(j, _)| (j, r)));
         let namers = Rows::sort(n, named);
+        Self::weigh(n, |j| namers.of(j).iter().map(|&r| rows[r as usize].1.len()).sum())?;
         // Column by column, from the rows that name it: each sum in the order of the rows, whoever adds it up.
         let columns: Vec<Vec<(u32, f64)>> = (0..n)
             .into_par_iter()
@@ -133,7 +154,7 @@ impl SymmetricMatrix {
             Some(*sum)
         }));
         let (rows, values) = columns.into_iter().flatten().unzip();
-        Self::from_parts(starts, rows, values)
+        Ok(Self::from_parts(starts, rows, values))
     }
 
     /// The rows in full, of `(column, value)`.
@@ -145,7 +166,11 @@ impl SymmetricMatrix {
     }
 
     /// `A D A` with a diagonal `D`.
-    pub fn sandwich(&self, diagonal: &[f64]) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// As [`SymmetricMatrix::normal`].
+    pub fn sandwich(&self, diagonal: &[f64]) -> Result<Self> {
         let rows = self.rows();
         Self::normal(self.size(), diagonal.iter().copied().zip(rows.iter()))
     }

@@ -97,6 +97,8 @@ pub struct Arap {
     metric: Option<ConstrainedSystem>,
     /// The rotations of the last pose.
     previous: Option<Vec<Quat>>,
+    /// Those of a solve that has not been kept yet.
+    found: Vec<Quat>,
     /// Of each handle that has turned by itself: how much vertices turn along, and its compliance.
     levers: Vec<Option<(Vec<f64>, Mat3)>>,
 }
@@ -137,7 +139,8 @@ impl Arap {
         let smooth = (options.smoothness > 0.0).then(|| smoothness(mesh, options.smoothness));
         let solid = (!region.rods().is_empty()).then(|| differences(region.rods(), mesh.rest(), share));
         let differences: Vec<Differences> = smooth.into_iter().chain(solid).collect();
-        let more = differences.iter().map(Differences::matrix).reduce(|a, b| a.combine(1.0, &b, 1.0));
+        let more = differences.iter().map(Differences::matrix).collect::<Result<Vec<_>>>()?;
+        let more = more.into_iter().reduce(|a, b| a.combine(1.0, &b, 1.0));
         let (of_triangles, of_edges);
         let (owners, weights) = match options.cells {
             Cells::SpokesAndRims => {
@@ -170,6 +173,7 @@ impl Arap {
             differences,
             metric,
             previous: None,
+            found: Vec::new(),
             levers: Vec::new(),
         })
     }
@@ -316,7 +320,6 @@ impl Method for Arap {
     }
 
     fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution> {
-        // What is cancelled leaves the last pose as it was.
         let previous = self.previous.clone().filter(|_| options.warm_start);
         for &(handle, _) in &goal.pivots {
             if self.levers.get(handle).is_none_or(Option::is_none) {
@@ -335,7 +338,7 @@ impl Method for Arap {
         })?;
         let cells = self.stitcher.owners().per_edge();
         let Turned { rotations, turns, displacements, energy, .. } = refined.point;
-        self.previous = Some(rotations);
+        self.found = rotations;
         Ok(Solution {
             displacements,
             iterations: refined.iterations,
@@ -344,5 +347,9 @@ impl Method for Arap {
             residual: refined.residual,
             turns,
         })
+    }
+
+    fn keep(&mut self) {
+        self.previous = Some(std::mem::take(&mut self.found));
     }
 }

@@ -227,9 +227,18 @@ impl Pose {
             free.iter().for_each(|&h| transforms[h] = motions[h].matrix(frame));
             (targets, own) = self.targets(&transforms);
         }
-        self.own_turns.note(&free, &motions);
         transforms.truncate(handles);
-        Ok(Posed { transforms, ..self.posed(&targets, &own, solution, begin)? })
+        let posed = Posed { transforms, ..self.posed(&targets, &own, solution, begin)? };
+        self.keep(job)?;
+        self.own_turns.note(&free, &motions);
+        Ok(posed)
+    }
+
+    /// What was cancelled or failed leaves the last pose to go on from.
+    fn keep(&mut self, job: &Job) -> Result<()> {
+        job.finish()?;
+        self.method.iter_mut().for_each(|method| method.keep());
+        Ok(())
     }
 
     /// Where matrices take the vertices of all handles, and those that are distinct.
@@ -270,7 +279,9 @@ impl Pose {
         let begin = Instant::now();
         let goal = self.region.goal(&self.whole, &own, motions, false);
         let solution = self.follow(&goal, options, job)?;
-        self.posed(&targets, &own, solution, begin)
+        let posed = self.posed(&targets, &own, solution, begin)?;
+        self.keep(job)?;
+        Ok(posed)
     }
 
     fn follow(&mut self, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Option<Solution>> {

@@ -15,7 +15,7 @@ use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::mass::lumped_mass;
 use crate::rotation::exp;
-use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
+use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, memory};
 
 /// The factored system of a field of `order` 0, 1 or 2 on a region.
 pub(super) fn smooth_system(region: &Region, order: usize, job: &Job) -> Result<ConstrainedSystem> {
@@ -55,9 +55,11 @@ pub(super) fn polyharmonic(mesh: &Mesh, order: usize) -> Result<SymmetricMatrix>
     let inverse = inverse_mass(mesh);
     match order {
         0 => Ok(laplacian),
-        1 => Ok(laplacian.sandwich(&inverse)),
+        1 => laplacian.sandwich(&inverse),
         2 => {
             let rows = laplacian.rows();
+            let values = rows.iter().map(|row| (row.len() * row.len()) as u128).sum::<u128>();
+            memory::check("the differences of the Laplacian", size_of::<(u32, f64)>() as u128 * values)?;
             let differences: Vec<(f64, Vec<(u32, f64)>)> = laplacian
                 .entries()
                 .filter(|(i, j, _)| i != j)
@@ -72,7 +74,7 @@ pub(super) fn polyharmonic(mesh: &Mesh, order: usize) -> Result<SymmetricMatrix>
                 })
                 .collect();
             let rows = differences.iter().map(|(w, row)| (*w, row.as_slice()));
-            Ok(SymmetricMatrix::normal(laplacian.size(), rows))
+            SymmetricMatrix::normal(laplacian.size(), rows)
         }
         _ => Err(Error::InvalidValue(Fault::new("border", format!("must be 0, 1 or 2, got {order}")))),
     }

@@ -61,7 +61,7 @@ impl Laplacian {
     /// [`crate::Error::SolveFailed`] where it cannot be factored.
     pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let (laplacian, squares) = operator(region.mesh(), options.weights);
-        let matrix = laplacian.sandwich(&squares);
+        let matrix = laplacian.sandwich(&squares)?;
         let system = ConstrainedSystem::new(&matrix, region.constraints().clone(), job)?;
         Ok(Self { system, laplacian, squares })
     }

@@ -78,7 +78,7 @@ impl LaplacianFitted {
     pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let mesh = region.mesh();
         let rows = rows(mesh, options);
-        let mut matrix = normal_matrix(&rows);
+        let mut matrix = normal_matrix(&rows)?;
         let edges = region.is_ambiguous().then(|| {
             let edges = graph_laplacian(mesh).of_axes();
             edges.combine(AMBIGUOUS * matrix.largest(), &edges, 0.0)
@@ -139,10 +139,12 @@ fn fit(rest: &[Vec3], row: &[(u32, f64)], scale: f64, grow: bool) -> Row {
 }
 
 /// Blocks `sum_i B_ij^T B_ik`.
-fn normal_matrix(rows: &[Row]) -> SymmetricMatrix {
+fn normal_matrix(rows: &[Row]) -> Result<SymmetricMatrix> {
+    let length = |&(i, _): &(u32, Mat3)| 3 * rows[i as usize].len();
+    SymmetricMatrix::weigh(3 * rows.len(), |j| rows[j / 3].iter().map(length).sum())?;
     let mut sums: Vec<Mat3> = vec![Mat3::ZERO; rows.len()];
     let mut reached = vec![false; rows.len()];
-    SymmetricMatrix::from_blocks(rows.len(), |k, column| {
+    Ok(SymmetricMatrix::from_blocks(rows.len(), |k, column| {
         let mut ring: Vec<u32> = Vec::new();
         for &(i, _) in &rows[k as usize] {
             let row = &rows[i as usize];
@@ -160,7 +162,7 @@ fn normal_matrix(rows: &[Row]) -> SymmetricMatrix {
             column.push((j, std::mem::replace(&mut sums[j as usize], Mat3::ZERO)));
             reached[j as usize] = false;
         }
-    })
+    }))
 }
 
 impl Response for LaplacianFitted {

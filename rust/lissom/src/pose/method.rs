@@ -98,6 +98,9 @@ pub trait Method: Send + std::fmt::Debug {
     /// [`Error::Cancelled`], and [`Error::SolveFailed`] where the linear algebra gives up.
     fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution>;
 
+    /// Lets the next solve go on from the last one, which nothing has stopped since.
+    fn keep(&mut self) {}
+
     /// What it factored, to solve by.
     fn systems(&self) -> Vec<&ConstrainedSystem>;
 

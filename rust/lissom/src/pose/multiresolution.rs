@@ -125,6 +125,10 @@ impl Method for Multiresolution {
         systems
     }
 
+    fn keep(&mut self) {
+        self.method.keep();
+    }
+
     fn solve(&mut self, _: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution> {
         // Handles have no details: the goal of the surface is that of the base.
         let mut solution = self.method.solve(&self.base, goal, options, job)?;

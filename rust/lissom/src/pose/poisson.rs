@@ -69,7 +69,7 @@ impl Poisson {
         };
         let (mesh, rods) = (region.mesh(), region.rods());
         let rods = (!rods.is_empty()).then(|| differences(rods, mesh.rest(), 1.0));
-        let across = rods.as_ref().map(Differences::matrix);
+        let across = rods.as_ref().map(Differences::matrix).transpose()?;
         let stitcher = Stitcher::new(
             mesh.clone(),
             Owners::Triangles,

@@ -13,7 +13,7 @@ use super::fans::GRAIN;
 use crate::geometry::rows::Rows;
 use crate::linear::SymmetricMatrix;
 use crate::matrix::outer;
-use crate::{Mat3, Vec3};
+use crate::{Mat3, Result, Vec3};
 
 /// The rows of `D`, how much each counts, and what they make of the rest pose.
 #[derive(Debug)]
@@ -35,7 +35,11 @@ impl Differences {
     }
 
     /// `D^T F D`.
-    pub fn matrix(&self) -> SymmetricMatrix {
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Error::OutOfMemory`].
+    pub fn matrix(&self) -> Result<SymmetricMatrix> {
         let rows = self.factor.iter().copied().zip(self.rows.iter());
         SymmetricMatrix::normal(self.rest.len(), rows)
     }
