@@ -46,7 +46,7 @@ def refuse_preview(key):
     """Refused for a key that shows a live pose: it changes with every move of a handle."""
     if key.name in previews(key.id_data.user):
         raise Refused(
-            f"Shape key '{key.name}' shows the live pose and goes with it: press Apply as Shape Key, "
+            f"Shape key '{key.name}' shows the live pose and goes with it: press Apply, "
             "then choose the key that it makes"
         )
 

@@ -188,8 +188,10 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         box.prop(settings, "key_name", icon="SHAPEKEY_DATA", text="")
         row = box.row(align=True)
         row.scale_y = 1.4
-        apply = row.operator("lissom.pose_apply", icon="CHECKMARK")
+        apply = row.operator("lissom.pose_apply", text="Apply", icon="CHECKMARK")
         apply.object, apply.name = obj.name, settings.key_name
+        following = row.operator("lissom.pose_apply", text="And Next", icon="NEXT_KEYFRAME")
+        following.object, following.name, following.value = obj.name, settings.key_name, 0.0
         if settings.stood and obj.active_shape_key_index:
             key = obj.active_shape_key
             if key.name != settings.preview:

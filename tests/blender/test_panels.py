@@ -123,7 +123,8 @@ def test_pose_before_and_after_bind(panels):
     obj = scene.bound_tube()
     bound = draw(panels["pose"])
     assert bound["pointers"]["lissom_object"] == obj
-    assert bound["operators"]["lissom.pose_apply"] == [{"object": "Tube", "name": "Pose"}]
+    applied = {"object": "Tube", "name": "Pose"}
+    assert bound["operators"]["lissom.pose_apply"] == [applied, applied | {"value": 0.0}]
     assert "lissom.pose_bind" not in bound["operators"]
     bpy.ops.lissom.pose_unbind(object="Tube")
     free = draw(panels["pose"])

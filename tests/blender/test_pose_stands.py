@@ -180,3 +180,13 @@ def test_what_plays_a_cache_heeds_no_keys_and_is_said_instead(tmp_path, capfd):
     bpy.ops.lissom.pose_bind(object=obj.name)
     assert not obj.lissom_pose.stood
     assert "modifier 'Cache' moves the mesh, not the Empties" in capfd.readouterr().out
+
+
+def test_apply_and_next_leaves_the_mesh_at_rest_and_names_count_up():
+    obj = scene.bound_tube()
+    rest = scene.shown(obj)
+    for name in ("Pose", "Pose.001", "Pose.002"):
+        lift(obj)
+        bpy.ops.lissom.pose_apply(object=obj.name, name="Pose", value=0.0)
+        assert obj.data.shape_keys.key_blocks[name].value == 0.0
+        assert_allclose(scene.shown(obj), rest, atol=1e-6)
