@@ -14,7 +14,6 @@ from .transfer import fit_steps
 from .work import Work
 
 SKIN = ("face", "head_and_neck")
-UPRIGHT = 30.0  # degrees that a head may be turned against looking along -Y
 LEAST_CERTAIN = 0.5  # below it no key is made
 SURE = 0.75  # from here on nothing is said: people have more
 OFF = 0.01  # of the head's diagonal: a landmark further from the head than this is to be looked at
@@ -54,7 +53,7 @@ def face_work(head, parts, kind, strength=1.0, contact=True):
             lissom.Mesh(face.neutral, face.triangles),
             target,
             None,
-            {"modes": face.modes, "most_turn": UPRIGHT},
+            {"modes": face.modes},  # any way up: a hint makes an egg pass for a face
         )
         certainty = fit.report["certainty"]
         doubts = _doubts(face, fit, head[0])
