@@ -113,7 +113,8 @@ def test_clothes_go_as_far_as_what_they_lie_on():
     around = vertices * [1, 1.06, 1.06]
     turn = rotation((0.2, 1, 0.1), 0.4)
     poses = np.stack([vertices + [0, 0, 2.0], vertices @ turn.T, vertices * [1.2, 1, 1]])
-    _, _, (shifted, turned, longer) = carried((vertices, faces), (around[::-1], 1999 - faces), poses)
+    fit, _, (shifted, turned, longer) = carried((vertices, faces), (around[::-1], 1999 - faces), poses)
+    assert np.array_equal(fit.rest, vertices) and fit.coefficients.size == 0
     around = around[::-1]
     assert np.allclose(shifted, around + [0, 0, 2.0], atol=1e-6)
     assert np.abs(turned - around @ turn.T).max() < 0.01

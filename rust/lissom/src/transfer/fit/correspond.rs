@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use super::diagnosis::{Fit, FitReport, conclude};
-use super::lie::Lie;
 use super::marked::Marked;
 use super::morph::{self, Morph};
 use super::options::FitOptions;
@@ -52,14 +51,7 @@ pub fn fit_correspondence(
     {
         job.check()?;
         let mut fit = same(source, target, warnings);
-        let lie = Lie::of(
-            &source.rest().iter().copied().zip(target.rest().iter().copied()).collect::<Vec<_>>(),
-            Vec::new(),
-            0.0,
-        );
-        let mut morph = Morph::new(source, &options.modes, &lie);
-        morph.find_same(source, target.rest());
-        (fit.rest, fit.coefficients) = morph.told(source);
+        (fit.rest, fit.coefficients) = Morph::of_same(source, target, &options.modes).told(source);
         return Ok(fit);
     }
     let source_side = Side::new(source, "source_mask", &options.source_mask)?;
@@ -70,6 +62,7 @@ pub fn fit_correspondence(
     if options.overlap {
         let report = FitReport { warnings, ..FitReport::default() };
         let mut fit = overlap(&source_side, &onto, options.match_distance, report, job)?;
+        fit.rest = source.vertices().to_vec();
         fit.report.seconds = start.elapsed().as_secs_f64();
         return Ok(fit);
     }

@@ -137,13 +137,19 @@ impl Morph {
         Ok(())
     }
 
-    /// As [`Self::find`] where each vertex of `goals` belongs to its own like.
-    pub fn find_same(&mut self, source: &Mesh, goals: &[Vec3]) {
-        let pull = |v: usize| Pull::to_point([v as u32; 3], Vec3::X, goals[v], 1.0);
-        let pulls: Vec<Pull> = (0..goals.len()).map(pull).collect();
-        for _ in 0..2 * ROUNDS {
-            self.step(source, &pulls, &self.placed(), KNOWN);
+    /// The person that a target of the same triangles is most like: each vertex belongs to its own like.
+    pub fn of_same(source: &Mesh, target: &Mesh, modes: &[Vec<Vec3>]) -> Self {
+        let places: Vec<(Vec3, Vec3)> =
+            source.rest().iter().copied().zip(target.rest().iter().copied()).collect();
+        let mut morph = Self::new(source, modes, &Lie::of(&places, Vec::new(), 0.0));
+        let pull = |(v, goal): (usize, &Vec3)| Pull::to_point([v as u32; 3], Vec3::X, *goal, 1.0);
+        let pulls: Vec<Pull> = target.rest().iter().enumerate().map(pull).collect();
+        let rounds = if modes.is_empty() { 0 } else { 2 * ROUNDS };
+        for _ in 0..rounds {
+            let x = morph.placed();
+            morph.step(source, &pulls, &x, KNOWN);
         }
+        morph
     }
 
     /// Its turn, where that is worth telling, its size on the target, and what is to be added then.
@@ -180,7 +186,7 @@ impl Morph {
         self.size *= growth;
         self.shift = turn * self.shift * growth + Vec3::from_slice(&solution[3..6]);
         self.coefficients.iter_mut().zip(&solution[OF_LIE..]).for_each(|(c, step)| *c += step);
-        let k = self.coefficients.len().max(1); // without modes there are no chunks
+        let k = self.coefficients.len();
         for ((p, rest), modes) in self.rest.iter_mut().zip(source.rest()).zip(self.modes.chunks(k)) {
             *p = *rest + modes.iter().zip(&self.coefficients).map(|(m, c)| *m * *c).sum::<Vec3>();
         }
@@ -198,7 +204,7 @@ impl Morph {
                 moves.fill(Vec3::ZERO);
                 for (&v, weight) in pull.corners.iter().zip(pull.weights.to_array()) {
                     let modes = &self.modes[v as usize * k..(v as usize + 1) * k];
-                    if k > 0 && weight != 0.0 {
+                    if weight != 0.0 {
                         moves.iter_mut().zip(modes).for_each(|(to, &mode)| *to += linear * mode * weight);
                     }
                 }
