@@ -248,7 +248,8 @@ goal = [np.eye(4), rigid((0, 0, 1), 0.5)]
 done = idle.start_solve(goal)
 done.result()
 job = busy.start_solve(goal, max_iterations=10**9, tolerance=0.0)
-time.sleep(0.2)
+time.sleep(0.02)
+assert not job.done
 child = os.fork()
 if child == 0:
     failed = 0
@@ -260,7 +261,6 @@ if child == 0:
     same = (done.result().vertices == idle.solve(goal, max_iterations=0).vertices).all()
     os._exit(0 if failed == 4 and same else 1)
 ended = os.waitpid(child, 0)[1]
-assert not job.done
 job.cancel()
 sys.exit(ended != 0)
 """
