@@ -4,6 +4,7 @@
 # make lint       rustfmt, clippy, ruff, mypy and its stubtest
 # make audit      licences, known flaws and doubles of what we take in, and the workflows; needs cargo-deny
 # make bench      measured against libigl and Blender's Laplacian Deform; needs LISSOM_DATA
+# make fuzz       random meshes and options through every call, until something fails or one stops it
 # make docs       the manual as a site: .venv/docs/site/index.html
 # make extension  dist/lissom-<version>-<platform>.zip, for Blender's "Install from Disk"
 #
@@ -22,7 +23,7 @@ TOOLS := .venv/tools/ready
 WHEEL := dist/wheel.stamp
 
 .SECONDARY:
-.PHONY: all demo gallery test test-rust test-native test-blender lint audit extension bench docs clean
+.PHONY: all demo gallery test test-rust test-native test-blender lint audit extension bench fuzz docs clean
 all: extension
 
 # --- tools, wheel, Blenders -------------------------------------------------------------------------
@@ -66,6 +67,10 @@ test-rust:
 
 test-native: $(WHEEL)
 	.venv/tools/bin/python -m pytest tests/native tests/addon_core
+
+fuzz: $(WHEEL)
+	while PROPTEST_RNG_SEED=$$(date +%s) PROPTEST_CASES=100000 cargo test --release --locked -q -p lissom --test random \
+		&& .venv/tools/bin/python -m pytest -q --hypothesis-profile=fuzz tests/native/test_random_*.py; do :; done
 
 BLENDERS := 4.2 5.0 $(if $(PYTHON313),5.2)
 test-blender: $(BLENDERS:%=test-blender-%)

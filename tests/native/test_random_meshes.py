@@ -1,78 +1,15 @@
 """Random meshes through every call: finite positions or a typed error, what rests rests, and again the same.
 
-Meshes are soups of triangles, grids and fans, with parts many magnitudes smaller than others, vertices in one
-place, faces twice or turned over. What fails is shrunk. Draw many more by --hypothesis-profile=search.
+What fails is shrunk. Draw many more by --hypothesis-profile=search.
 """
 
 import lissom
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from shapes import grid_faces, rigid
-
-UNIT = st.floats(-1, 1, allow_subnormal=False)
-# Such sizes meet in one mesh; the smallest are far below what squares of lengths can hold.
-SIZES = st.sampled_from([1.0, 1.0, 1.0, 1e-3, 1e-9, 1e-60, 1e-150])
-
-
-def points(n):
-    """(n, 3) in -1 to 1."""
-    return hnp.arrays(float, (n, 3), elements=UNIT)
-
-
-@st.composite
-def soups(draw):
-    n = draw(st.integers(3, 24))
-    vertices = draw(points(n)) * draw(hnp.arrays(float, (n, 1), elements=SIZES))
-    return vertices, draw(hnp.arrays(np.int64, (draw(st.integers(1, 40)), 3), elements=st.integers(0, n - 1)))
-
-
-@st.composite
-def grids(draw):
-    rows, columns = draw(st.integers(2, 7)), draw(st.integers(3, 7))
-    faces = grid_faces(rows, columns, closed=draw(st.booleans()))
-    even = np.stack(np.meshgrid(np.arange(rows), np.arange(columns), [0.0], indexing="ij"), -1).reshape(-1, 3)
-    vertices = even + draw(points(len(even))) * draw(SIZES)
-    turned = draw(hnp.arrays(bool, len(faces)))
-    return vertices, np.where(turned[:, None], faces[:, ::-1], faces)
-
-
-@st.composite
-def fans(draw):
-    n = draw(st.integers(3, 20))
-    rim = np.arange(1, n)
-    faces = np.column_stack([0 * rim, rim, np.roll(rim, -1)])
-    twice = draw(st.lists(st.integers(0, n - 2), max_size=4))
-    return draw(points(n)) * draw(SIZES), np.concatenate([faces, faces[twice]])
-
-
-def torn(faces):
-    """Which faces repeat a vertex; they are left out."""
-    return (faces[:, [0, 0, 1]] == faces[:, [1, 2, 2]]).any(axis=1)
-
-
-def on_a_line(refused):
-    return any(text in str(refused) for text in ("all points coincide", "all points lie on one line"))
-
-
-@st.composite
-def meshes(draw):
-    """A mesh that is accepted, its vertices and faces."""
-    vertices, faces = draw(soups() | grids() | fans())
-    try:
-        return lissom.Mesh(vertices, faces), vertices, faces
-    except lissom.InvalidMesh as refused:
-        assert torn(faces).all() or on_a_line(refused) or np.ptp(vertices) < 1e-140, refused
-        assume(False)
-
-
-@st.composite
-def motions(draw):
-    axis = draw(points(1))[0]
-    assume(np.linalg.norm(axis) > 1e-3)
-    return rigid(axis, draw(st.floats(-3.5, 3.5)), draw(points(1))[0])
+from random_meshes import fans, grids, meshes, motions, on_a_line, points, soups, torn
 
 
 @given(soups() | grids() | fans())
