@@ -30,6 +30,7 @@ mod anchor;
 pub mod apply;
 pub mod attributes;
 mod choose;
+mod closing;
 pub mod contact;
 pub mod corners;
 mod correspondence;

@@ -1,0 +1,105 @@
+//! Closing: contacts are closed, and nothing is pushed into solids, once a key is stitched ([`super::contact`],
+//! [`super::obstacle`]).
+
+use std::collections::BTreeMap;
+
+use super::apply::{Moving, Transfer};
+use super::choose::SourceKey;
+use super::contact::{self, Contact};
+use super::obstacle::{Least, Obstacles};
+use crate::linear::{ConstrainedSystem, SymmetricMatrix};
+use crate::{Job, Mesh, Result, Vec3};
+
+/// How often what is missing to stay out of solids is asked for.
+const ASKED: usize = 10;
+
+/// What contact needs besides.
+pub struct Closing {
+    system: ConstrainedSystem,
+    /// What is in the way on the target, and on the source.
+    obstacles: Option<Obstacles>,
+    of_source: Option<Obstacles>,
+}
+
+impl Closing {
+    /// For a target that stitching has the matrix of.
+    ///
+    /// # Errors
+    ///
+    /// As [`contact::system`].
+    pub fn new(source: &Mesh, target: &Mesh, stitching: &SymmetricMatrix, job: &Job) -> Result<Self> {
+        let system = contact::system(target, stitching, job)?;
+        Ok(Self { system, obstacles: Obstacles::of(target), of_source: Obstacles::of(source) })
+    }
+}
+
+impl Transfer {
+    /// Whether places that come together on the source are made to on the target.
+    pub(super) fn closes_contacts(&self) -> bool {
+        self.closing.is_some()
+    }
+
+    /// What comes together in a key.
+    pub(super) fn contacts(&self, key: &SourceKey, moved: &[Vec3]) -> Vec<Contact> {
+        let size = |component| self.anchors.size(component);
+        contact::contacts(&self.source, &self.target, &self.used, key, moved, size)
+    }
+
+    /// The displacements, placed, with contacts closed and nothing pushed into solids.
+    pub(super) fn close(
+        &self,
+        Closing { system, obstacles, of_source }: &Closing,
+        Moving { key, moved, moves }: &Moving,
+        stitched: Vec<Vec3>,
+    ) -> Vec<Vec3> {
+        let with = |contacts: &[Contact]| {
+            let mut displacements = stitched.clone();
+            contact::close(&self.target, system, contacts, &mut displacements);
+            self.placer.place(&self.target, &self.chooser, key, moves, &mut displacements);
+            displacements
+        };
+        let contacts = self.contacts(key, moved);
+        let mut displacements = with(&contacts);
+        let Some(obstacles) = obstacles else { return displacements };
+        let least = match of_source {
+            Some(solids) => self.as_far_as_on_the_source(solids, key, moved),
+            None => {
+                let mut least = vec![Least::Travelled; displacements.len()];
+                let met = contacts.iter().flat_map(Contact::vertices);
+                met.for_each(|v| least[v as usize] = Least::Outside(f64::INFINITY));
+                least
+            }
+        };
+        let mut points: BTreeMap<u32, Vec3> = BTreeMap::new();
+        for _ in 0..ASKED {
+            let short = obstacles.short(&self.target, &least, &displacements);
+            if short.is_empty() {
+                break;
+            }
+            for (v, by) in short {
+                let at = self.target.rest()[v as usize] + displacements[v as usize];
+                *points.entry(v).or_insert(at) += by;
+            }
+            let pulls = points.iter().map(|(&v, &point)| Contact::with_point(&self.target, v, point));
+            displacements = with(&contacts.iter().cloned().chain(pulls).collect::<Vec<_>>());
+        }
+        displacements
+    }
+
+    /// How far outside of solids the images of the target's vertices are.
+    fn as_far_as_on_the_source(&self, solids: &Obstacles, key: &SourceKey, moved: &[Vec3]) -> Vec<Least> {
+        let image = |(v, &moved): (usize, &Vec3)| {
+            let at = self.chooser.image(v)? + moved;
+            let triangle = self.used.images.get(v).copied().flatten()?.triangle;
+            Some((self.source.triangles()[triangle as usize][0], at))
+        };
+        let images: Vec<_> = moved.iter().enumerate().map(image).collect();
+        let outside = solids.outside(&self.source, &key.displacement, &images);
+        let size = |v: usize| self.target.components().of_vertex(v).map(|c| self.anchors.size(c));
+        let least = |v: usize| match images[v].and(size(v)) {
+            Some(size) => Least::Outside(outside[v].map_or(f64::INFINITY, |outside| outside * size)),
+            None => Least::Travelled,
+        };
+        (0..moved.len()).map(least).collect()
+    }
+}
