@@ -5,7 +5,7 @@ import pathlib
 import bpy
 import lissom
 
-from . import commands, live, preferences, rebind, session, watch
+from . import commands, live, preferences, rebind, session, translations, watch
 from .core import build
 from .drawing import ghost, guide, marks
 from .operators import (
@@ -86,6 +86,7 @@ def register():
     session.other_build = build.differs(pathlib.Path(__file__).with_name("wheels"), lissom.__file__)
     if session.other_build:
         print(f"Lissom: {build.MESSAGE}")
+    translations.register()
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     for module in _PROPERTIES:
@@ -114,3 +115,4 @@ def unregister():
         module.unregister()
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)
+    translations.unregister()

@@ -58,7 +58,7 @@ def build(wheel, folder, website=None):
     """Writes the zip of one wheel and returns its path."""
     text, version = manifest(wheel, website)
     path = folder / f"lissom-{version}-{platform(wheel).replace('-', '_')}.zip"
-    sources = [p for p in sorted(ADDON.rglob("*")) if p.suffix == ".py"]
+    sources = [p for p in sorted(ADDON.rglob("*")) if p.suffix in (".py", ".json")]
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         _add(archive, "blender_manifest.toml", text.encode())
         for notice in ("LICENSE", "THIRD_PARTY.txt"):

@@ -8,6 +8,7 @@ import numpy as np
 from .. import session
 from ..bridge import picking
 from ..core.landmarks import SETS, picture
+from ..translations import translated
 from .shapes import box, line, ring
 
 SIZE, MARGIN, BORDER, TEXT = 170, 24, 14, 13  # pixels
@@ -41,7 +42,7 @@ def _draw():
     blf.size(0, TEXT * scale)
     blf.color(0, 1.0, 1.0, 1.0, 1.0)
     blf.position(0, low[0] + border, low[1] + size + 2 * border + 6 * scale, 0)
-    blf.draw(0, picked.wanted or "All landmarks are marked")
+    blf.draw(0, translated(picked.wanted or "All landmarks are marked"))
     gpu.state.blend_set("NONE")
 
 

@@ -8,6 +8,7 @@ from ..core.refused import Refused, first
 from ..core.work import Block, Work
 from ..properties.inbetween import ArcSettings, PathSettings
 from ..properties.transfer import exists_property
+from ..translations import translated
 from .inbetween_bake import arc_poll
 from .job import JobOperator, answering
 from .pose_handles import OBJECT
@@ -43,8 +44,8 @@ class _Together(JobOperator):
             made += count
             warnings += [f"{baking.slider}: {line}" for line in said]
         for warning in warnings:
-            self.report({"WARNING"}, warning)
-        self.report({"INFO"}, f"{made} shape keys under {len(self._bakings)} sliders")
+            self.report({"WARNING"}, translated(warning))
+        self.report({"INFO"}, translated(f"{made} shape keys under {len(self._bakings)} sliders"))
 
 
 class LISSOM_OT_inbetween_bake_all(_Together, PathSettings, ArcSettings, bpy.types.Operator):

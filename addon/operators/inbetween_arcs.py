@@ -5,6 +5,7 @@ from bpy.props import StringProperty
 
 from ..bridge import arcs, checks
 from ..core.work import Work
+from ..translations import translated
 from .inbetween_bake import BakeOperator, arc_poll
 from .job import answering
 from .pose_handles import OBJECT
@@ -31,7 +32,7 @@ class ArcOperator:
 
     def _warn(self, warnings):
         for warning in warnings:
-            self.report({"WARNING"}, warning)
+            self.report({"WARNING"}, translated(warning))
 
 
 class LISSOM_OT_inbetween_rebake(ArcOperator, BakeOperator, bpy.types.Operator):

@@ -7,6 +7,7 @@ from ..bridge import arcs, checks
 from ..core.work import Work
 from ..properties.inbetween import ArcSettings, PathSettings
 from ..properties.transfer import exists_property
+from ..translations import translated
 from .job import JobOperator, allowed, shown_object
 from .pose_handles import OBJECT
 
@@ -23,8 +24,8 @@ class BakeOperator(JobOperator):
     def finish(self, context, result):
         count, warnings = self._baking.write(result)
         for warning in warnings:
-            self.report({"WARNING"}, warning)
-        self.report({"INFO"}, f"{count} shape keys under the slider '{self._baking.slider}'")
+            self.report({"WARNING"}, translated(warning))
+        self.report({"INFO"}, translated(f"{count} shape keys under the slider '{self._baking.slider}'"))
 
 
 class LISSOM_OT_inbetween_bake(BakeOperator, PathSettings, ArcSettings, bpy.types.Operator):

@@ -4,6 +4,7 @@ import bpy
 from bpy.props import BoolProperty
 
 from ..bridge import exported
+from ..translations import translated
 from .inbetween_arcs import ArcOperator
 from .job import answering
 
@@ -26,7 +27,9 @@ class LISSOM_OT_inbetween_export(ArcOperator, bpy.types.Operator):
             exported.restore(obj)
             return
         count = exported.prepare(obj, context.scene)
-        self.report({"INFO"}, f"{count} shape keys have keyframes: export, then press Back to Sliders")
+        self.report(
+            {"INFO"}, translated(f"{count} shape keys have keyframes: export, then press Back to Sliders")
+        )
 
 
 classes = (LISSOM_OT_inbetween_export,)

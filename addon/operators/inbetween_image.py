@@ -8,6 +8,7 @@ from ..bridge import arcs, checks, images
 from ..core.refused import Refused
 from ..core.work import Work
 from ..properties.image import LABELS, ImageSettings
+from ..translations import translated
 from .inbetween_bake import arc_poll
 from .job import JobOperator, allowed, answering
 from .pose_handles import OBJECT
@@ -69,8 +70,11 @@ class LISSOM_OT_inbetween_image(ImageFile, JobOperator, ImageSettings, bpy.types
     def finish(self, context, made):
         obj = images.make(images.find(self._image), made, self.height)
         for warning in made.warnings:
-            self.report({"WARNING"}, warning)
-        self.report({"INFO"}, f"'{obj.name}': {len(made.vertices)} vertices, {len(made.triangles)} triangles")
+            self.report({"WARNING"}, translated(warning))
+        self.report(
+            {"INFO"},
+            translated(f"'{obj.name}': {len(made.vertices)} vertices, {len(made.triangles)} triangles"),
+        )
 
 
 class _Plain:
@@ -107,7 +111,7 @@ class LISSOM_OT_inbetween_second_image(ImageFile, _Plain, bpy.types.Operator):
             raise Refused("Bake the arc to the key that the second image shows first")
         arc = arcs.find(obj, self.slider or baked[-1].name)
         for warning in images.lay(obj, images.find(self.image, self.filepath), arc):
-            self.report({"WARNING"}, warning)
+            self.report({"WARNING"}, translated(warning))
 
 
 def _draw_add(menu, context):

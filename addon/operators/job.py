@@ -9,6 +9,7 @@ from .. import session
 from ..bridge import checks
 from ..bridge.screen import redraw_sidebars
 from ..core.refused import Refused
+from ..translations import translated
 
 POLL_SECONDS = 0.05
 
@@ -24,9 +25,9 @@ def answering(function):
         try:
             return function(self, context, *arguments) or {"FINISHED"}
         except lissom.Cancelled:
-            self.report({"WARNING"}, "Cancelled: nothing was changed")
+            self.report({"WARNING"}, translated("Cancelled: nothing was changed"))
         except (Refused, lissom.Error) as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, translated(str(error)))
         return {"CANCELLED"}
 
     return answer
@@ -36,7 +37,7 @@ def allowed(operator_class, reason):
     """poll(): True where there is no reason against it, else the reason is what the disabled button says."""
     reason = "Lissom is at work: wait, or press ESC to cancel" if session.work is not None else reason
     if reason:
-        operator_class.poll_message_set(reason)
+        operator_class.poll_message_set(translated(reason))
     return not reason
 
 
@@ -125,7 +126,8 @@ class JobOperator:
 
     def _show(self, context, work):
         fraction, stage = work.progress
-        context.workspace.status_text_set(f"Lissom: {stage}, {100 * fraction:.0f} %    |    ESC: cancel")
+        said = f"Lissom: {stage}, {100 * fraction:.0f} %    |    ESC: cancel"
+        context.workspace.status_text_set(translated(said))
         redraw_sidebars()
 
     def _stop(self, context):

@@ -8,6 +8,7 @@ from ..core import names
 from ..core.refused import Refused
 from ..properties.options import iterations_property
 from ..properties.transfer import exists_property
+from ..translations import translated
 from .job import JobOperator, writable_mesh
 from .pose_handles import OBJECT
 
@@ -72,8 +73,8 @@ class LISSOM_OT_pose_apply(JobOperator, bpy.types.Operator):
         else:
             poses.show(obj, vertices)
         for warning in report.get("warnings", ()):
-            self.report({"WARNING"}, warning)
-        self.report({"INFO"}, f"Shape key '{self._name}' holds the pose")
+            self.report({"WARNING"}, translated(warning))
+        self.report({"INFO"}, translated(f"Shape key '{self._name}' holds the pose"))
 
 
 classes = (LISSOM_OT_pose_apply,)

@@ -10,6 +10,7 @@ from ..core import cache
 from ..core.refused import Refused, first
 from ..core.work import Work
 from ..properties.options import iterations_property
+from ..translations import translated
 from .baking import CACHE_FILE, BakeProperties
 from .job import JobOperator, writable_mesh
 from .pose_bind import unbind
@@ -103,7 +104,7 @@ class LISSOM_OT_pose_bake(BakeProperties, JobOperator, bpy.types.Operator):
                 f"Not converged at {len(restless)} of {len(frames)} frames, the first is {restless[0]}: "
                 "raise Iterations",
             )
-        self.report({"INFO"}, self.summary(f"'{obj.name}'", frames))
+        self.report({"INFO"}, translated(self.summary(f"'{obj.name}'", frames)))
 
     def _write_keys(self, obj, shapes, frames):
         settings = obj.lissom_pose

@@ -19,6 +19,7 @@ from ..properties.pose import (
     use_weights_property,
     weld_property,
 )
+from ..translations import translated
 from .job import JobOperator, allowed, answering, shown_object, writable_mesh
 from .pose_handles import OBJECT
 
@@ -151,7 +152,7 @@ class LISSOM_OT_pose_bind(_Options, JobOperator, bpy.types.Operator):
         told = ("INFO", left_out[0]) if left_out else ("CHECKMARK", "Bound: move an Empty")
         session.status[obj.name] = told
         for warning in filter(None, warnings):
-            self.report({"WARNING"}, warning)
+            self.report({"WARNING"}, translated(warning))
 
     def _flat(self, obj):
         """Warns of vertices that the modifiers have collapsed, and selects them."""
@@ -189,7 +190,7 @@ class LISSOM_OT_pose_update(JobOperator, bpy.types.Operator):
         vertices, report = result
         poses.show(self._mesh.find(), vertices)
         for warning in report.get("warnings", ()):
-            self.report({"WARNING"}, warning)
+            self.report({"WARNING"}, translated(warning))
 
 
 class LISSOM_OT_pose_reset(bpy.types.Operator):

@@ -5,6 +5,7 @@ from bpy.props import EnumProperty, StringProperty
 
 from ..bridge import bones, checks, shape_keys
 from ..core.refused import Refused
+from ..translations import translated
 from .job import answering, writable_mesh
 from .pose_handles import OBJECT
 
@@ -59,7 +60,9 @@ class LISSOM_OT_pose_drive(bpy.types.Operator):
         bone = bones.bone_of(rig, name)
         bones.drive(key, rig, bone, self.motion)
         self.armature, self.bone, self.key = rig.name, bone.name, key.name
-        self.report({"INFO"}, f"'{key.name}' follows the {self.motion.lower()} of bone '{bone.name}'")
+        self.report(
+            {"INFO"}, translated(f"'{key.name}' follows the {self.motion.lower()} of bone '{bone.name}'")
+        )
 
 
 classes = (LISSOM_OT_pose_drive,)

@@ -9,6 +9,7 @@ from ..bridge.screen import redraw_sidebars
 from ..core.refused import Refused
 from ..drawing.shapes import ring
 from ..panels.pose import bind_settings
+from ..translations import translated
 from .job import answering
 
 RADIUS = 40  # pixels
@@ -24,7 +25,7 @@ class LISSOM_OT_pose_touch(bpy.types.Operator):
     pin: BoolProperty(name="Pin", description="The place stays where it is", options={"SKIP_SAVE"})
 
     def execute(self, context):
-        self.report({"ERROR"}, "The tool needs the mouse: scripts use lissom.pose_handle_add")
+        self.report({"ERROR"}, translated("The tool needs the mouse: scripts use lissom.pose_handle_add"))
         return {"CANCELLED"}
 
     def invoke(self, context, event):
@@ -64,7 +65,9 @@ class LISSOM_OT_pose_touch(bpy.types.Operator):
         self._place = found.place if found else empty.matrix_world.translation.copy()
         self._moved = False
         context.window_manager.modal_handler_add(self)
-        context.workspace.status_text_set("Drag: pose    |    Esc or right click: back where it was")
+        context.workspace.status_text_set(
+            translated("Drag: pose    |    Esc or right click: back where it was")
+        )
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):

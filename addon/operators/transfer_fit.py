@@ -17,6 +17,7 @@ from ..properties.transfer import (
     scale_property,
     unmatched_property,
 )
+from ..translations import translated
 from .job import JobOperator, allowed
 from .transfer_markers import SOURCE, TARGET
 
@@ -88,9 +89,9 @@ class TransferOperator(JobOperator):
 
     def finish(self, context, found):
         done = self._job.write(context, found)
-        self.report({"INFO"}, done.summary)
+        self.report({"INFO"}, translated(done.summary))
         for warning in reversed(done.warnings):  # what is reported last is what one sees
-            self.report({"WARNING"}, warning)
+            self.report({"WARNING"}, translated(warning))
 
 
 class LISSOM_OT_transfer_fit(FitProperties, TransferOperator, bpy.types.Operator):

@@ -9,6 +9,7 @@ from ..core import markers
 from ..core.refused import Refused
 from ..jobs.fit import FitAsked
 from ..jobs.landmarks import GuessLandmarks
+from ..translations import translated
 from .job import answering
 from .transfer_fit import FitProperties, TransferOperator, ready
 
@@ -39,7 +40,7 @@ class LISSOM_OT_landmarks_pair(bpy.types.Operator):
         added = [markers.Marker.between(name, *(side[name] for side in borne)) for name in shared]
         markers.check([*known, *added], *(len(obj.data.vertices) for obj in ends))
         bridge_markers.append(context.scene, added, *ends)
-        self.report({"INFO"}, f"{len(added)} landmarks paired")
+        self.report({"INFO"}, translated(f"{len(added)} landmarks paired"))
 
 
 class LISSOM_OT_landmarks_guess(FitProperties, TransferOperator, bpy.types.Operator):
@@ -75,7 +76,7 @@ class LISSOM_OT_landmarks_confirm(bpy.types.Operator):
         pairs = bridge_markers.of_scene(context.scene)
         for side in SIDES:
             landmarks.keep(getattr(settings, side), pairs, side)
-        self.report({"INFO"}, f"{len(guessed)} landmarks confirmed")
+        self.report({"INFO"}, translated(f"{len(guessed)} landmarks confirmed"))
 
 
 classes = (LISSOM_OT_landmarks_pair, LISSOM_OT_landmarks_guess, LISSOM_OT_landmarks_confirm)

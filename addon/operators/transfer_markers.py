@@ -13,6 +13,7 @@ from ..bridge.screen import redraw_views
 from ..core import marker_file, marker_places, markers
 from ..core.curves import ordered
 from ..core.refused import Refused, first
+from ..translations import translated
 from .job import allowed, answering
 
 SOURCE = {
@@ -108,7 +109,7 @@ class LISSOM_OT_marker_add(bpy.types.Operator):
         markers.check(known + added, len(source.data.vertices), len(target.data.vertices))
         bridge_markers.append(context.scene, added, source, target)
         for warning in warnings:
-            self.report({"WARNING"}, warning)
+            self.report({"WARNING"}, translated(warning))
 
 
 class LISSOM_OT_curve_add(bpy.types.Operator):
@@ -141,9 +142,9 @@ class LISSOM_OT_curve_add(bpy.types.Operator):
         markers.check_curves(curves, *(len(obj.data.vertices) for obj in ends))
         bridge_markers.put(context.scene, pairs, *ends, curves=curves)
         for warning in warnings:
-            self.report({"WARNING"}, warning)
+            self.report({"WARNING"}, translated(warning))
         counts = [len(set(path)) for path in paths]
-        self.report({"INFO"}, f"'{curves[-1].name}': {counts[0]} to {counts[1]} vertices")
+        self.report({"INFO"}, translated(f"'{curves[-1].name}': {counts[0]} to {counts[1]} vertices"))
 
 
 class LISSOM_OT_curve_remove(bpy.types.Operator):
@@ -261,11 +262,11 @@ class LISSOM_OT_marker_load(ImportHelper, bpy.types.Operator):
             markers.check(pairs, *counts)
             markers.check_curves(curves, *counts)
         for warning in warnings:
-            self.report({"WARNING"}, warning)
+            self.report({"WARNING"}, translated(warning))
         bridge_markers.put(context.scene, pairs, *(ends if all(ends) else (None, None)), curves=curves)
         settings.active_marker = 0
         held = _held(pairs, curves)
-        self.report({"INFO"}, f"{held} from {os.path.basename(self.filepath)}")
+        self.report({"INFO"}, translated(f"{held} from {os.path.basename(self.filepath)}"))
 
 
 class LISSOM_OT_marker_save(ExportHelper, bpy.types.Operator):
@@ -301,8 +302,8 @@ class LISSOM_OT_marker_save(ExportHelper, bpy.types.Operator):
         except OSError as error:
             raise Refused(f"Marker file '{path}' cannot be written: {error.strerror}") from error
         for warning in warnings:
-            self.report({"WARNING"}, warning)
-        self.report({"INFO"}, f"{_held(pairs, curves)} in {os.path.basename(path)}")
+            self.report({"WARNING"}, translated(warning))
+        self.report({"INFO"}, translated(f"{_held(pairs, curves)} in {os.path.basename(path)}"))
 
 
 class LISSOM_OT_marker_mirror(bpy.types.Operator):
@@ -344,8 +345,8 @@ class LISSOM_OT_marker_mirror(bpy.types.Operator):
         if lost:
             warnings.append(f"Without a counterpart on the other side: {first(map(repr, lost))}")
         for warning in warnings:
-            self.report({"WARNING"}, warning)
-        self.report({"INFO"}, f"{len(added)} marker pairs added")
+            self.report({"WARNING"}, translated(warning))
+        self.report({"INFO"}, translated(f"{len(added)} marker pairs added"))
 
 
 classes = (

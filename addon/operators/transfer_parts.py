@@ -11,6 +11,7 @@ from ..bridge import checks
 from ..bridge.meshes import select_vertices
 from ..core.quality import as_dicts, unpack_faces
 from ..core.refused import Refused
+from ..translations import translated
 from .job import allowed, answering
 
 
@@ -85,7 +86,7 @@ class LISSOM_OT_quality_save(ExportHelper, bpy.types.Operator):
                 json.dump({"keys": rows}, file, indent=1, ensure_ascii=False)
         except OSError as error:
             raise Refused(f"'{path}' cannot be written: {error.strerror}") from error
-        self.report({"INFO"}, f"{len(rows)} shape keys in {os.path.basename(path)}")
+        self.report({"INFO"}, translated(f"{len(rows)} shape keys in {os.path.basename(path)}"))
 
 
 class LISSOM_OT_quality_select(bpy.types.Operator):
@@ -120,7 +121,7 @@ class LISSOM_OT_quality_select(bpy.types.Operator):
             if keys and self.key in keys.key_blocks:
                 obj.active_shape_key_index = keys.key_blocks.find(self.key)
         count = sum(map(len, faces.values()))
-        self.report({"INFO"}, f"{count} faces to look at: {', '.join(row.reasons.splitlines())}")
+        self.report({"INFO"}, translated(f"{count} faces to look at: {', '.join(row.reasons.splitlines())}"))
 
 
 classes = (LISSOM_OT_transfer_parts, LISSOM_OT_quality_save, LISSOM_OT_quality_select)

@@ -7,6 +7,7 @@ from ..bridge import picking
 from ..bridge.screen import redraw_sidebars, redraw_views
 from ..core.refused import Refused
 from ..jobs import pick
+from ..translations import translated
 from .job import allowed, answering
 
 HINT = (
@@ -41,7 +42,7 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
             redraw_views()
             return None
         for warning in pick.begin(context):
-            self.report({"WARNING"}, warning)
+            self.report({"WARNING"}, translated(warning))
         self._drag, self._said, self._picks = None, None, pick.Picks(_push)
         self._picks.ask(context.scene)
         self._say(context)
@@ -50,7 +51,7 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context):
-        self.report({"ERROR"}, "Markers are picked with the mouse: scripts use lissom.marker_add")
+        self.report({"ERROR"}, translated("Markers are picked with the mouse: scripts use lissom.marker_add"))
         return {"CANCELLED"}
 
     def modal(self, context, event):
@@ -59,7 +60,7 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
         try:
             answer = self._event(context, event)
         except Refused as error:
-            self.report({"WARNING"}, str(error))
+            self.report({"WARNING"}, translated(str(error)))
             answer = {"RUNNING_MODAL"}
         finally:
             if answer == {"FINISHED"}:
@@ -115,7 +116,7 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
         said = f"{asked}    |    Tab: skip    |    {HINT}" if asked else HINT
         if said != self._said:
             self._said = said
-            context.workspace.status_text_set(said)
+            context.workspace.status_text_set(translated(said))
             redraw_views()
 
     def _look(self, pane, stage, ctrl):

@@ -7,6 +7,7 @@ from ..bridge import views
 from ..bridge.assembly import both_sides
 from ..bridge.screen import redraw_sidebars
 from ..jobs.review import Review
+from ..translations import translated
 from .job import allowed, answering
 
 TICK = 0.1  # seconds: so soon Done is noticed
@@ -37,7 +38,7 @@ class LISSOM_OT_review(bpy.types.Operator):
         return self._start(context)
 
     def execute(self, context):
-        self.report({"ERROR"}, "A review is for the eye: scripts have lissom.quality_save")
+        self.report({"ERROR"}, translated("A review is for the eye: scripts have lissom.quality_save"))
         return {"CANCELLED"}
 
     @answering
@@ -59,7 +60,7 @@ class LISSOM_OT_review(bpy.types.Operator):
         _link(self._review)
         self._timer = context.window_manager.event_timer_add(TICK, window=context.window)
         context.window_manager.modal_handler_add(self)
-        context.workspace.status_text_set(HINT)
+        context.workspace.status_text_set(translated(HINT))
         redraw_sidebars()
         return {"RUNNING_MODAL"}
 
@@ -83,7 +84,7 @@ class LISSOM_OT_review(bpy.types.Operator):
         review, settings = self._review, context.scene.lissom_transfer
         if session.review is not review:
             return {"FINISHED"}
-        context.workspace.status_text_set(MENDING if review.mending else HINT)
+        context.workspace.status_text_set(translated(MENDING if review.mending else HINT))
         if event.value != "PRESS":
             return {"PASS_THROUGH"}
         if event.type == "ESC":

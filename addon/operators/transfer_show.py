@@ -13,6 +13,7 @@ from ..core.colours import LIMIT, of_fit
 from ..core.refused import Refused
 from ..core.suggest import suggest
 from ..jobs.fit import remembered
+from ..translations import translated
 from .job import allowed, answering
 
 SURROUNDINGS = 0.15  # of the mesh: so much of it is shown around a place
@@ -87,7 +88,7 @@ class LISSOM_OT_fit_place(bpy.types.Operator):
         if area is not None:
             views.look_at(area, _with_surroundings(places, side.rest()), towards)
         bpy.ops.lissom.fit_show(show=True)
-        self.report({"INFO"}, fault.line)
+        self.report({"INFO"}, translated(fault.line))
 
 
 def _with_surroundings(places, vertices):
@@ -138,7 +139,7 @@ class LISSOM_OT_marker_suggest(bpy.types.Operator):
         marker = markers.Marker(f"Suggested {len(known) + 1}", *found)
         markers.check([*known, marker], *counts)
         bridge_markers.append(context.scene, [marker], source.objects()[0], target.objects()[0])
-        self.report({"INFO"}, "Look where the new marker lies on the target, and correct it")
+        self.report({"INFO"}, translated("Look where the new marker lies on the target, and correct it"))
 
 
 classes = (LISSOM_OT_fit_show, LISSOM_OT_fit_place, LISSOM_OT_marker_suggest)

@@ -3,7 +3,9 @@
 import blf
 import bpy
 
+from ..core import wording
 from ..core.pose_options import options_of
+from ..translations import translated
 
 # Pixels at a scale of 1: the sidebar as Blender opens it, and what in it is not text.
 SIDEBAR, MARGINS, ICON, BUTTON = 280, 66, 24, 28
@@ -55,15 +57,9 @@ def draw_lines(layout, icon, text, margin=0):
     column = layout.column(align=True)
     column.scale_y = 0.8
     room = _room((ICON if icon != "NONE" else 0) + margin)
-    line = ""
-    for word in text.split():
-        longer = f"{line} {word}".strip()
-        if line and _width(longer) > room:
-            column.label(text=line, icon=icon)
-            icon, line = "NONE" if icon == "NONE" else "BLANK1", word
-        else:
-            line = longer
-    column.label(text=line, icon=icon)
+    for line in wording.lines(translated(text), lambda line: _width(line) <= room):
+        column.label(text=line, icon=icon, translate=False)
+        icon = "NONE" if icon == "NONE" else "BLANK1"
 
 
 def _room(beside):

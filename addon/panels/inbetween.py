@@ -142,7 +142,7 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
             row = layout.row(align=True)
             if arc.name in stale:
                 row.label(text="", icon="ERROR")
-            row.prop(obj, sliders.data_path(arc.name), text=arc.name, slider=True)
+            row.prop(obj, sliders.data_path(arc.name), text=arc.name, translate=False, slider=True)
             second = row.operator("lissom.inbetween_second_image", text="", icon="IMAGE_DATA")
             second.object, second.slider = obj.name, arc.name
             for action, icon in (("rebake", "FILE_REFRESH"), ("rename", "GREASEPENCIL"), ("remove", "X")):

@@ -1,12 +1,11 @@
 """The three jobs, as buttons on top of the tab: one is shown at a time; and the progress of work."""
 
-import textwrap
-
 import bpy
 
 from .. import session
 from ..core import build
-from .common import TAB
+from ..translations import translated
+from .common import TAB, draw_lines
 
 
 class LISSOM_PT_main(bpy.types.Panel):
@@ -23,13 +22,12 @@ class LISSOM_PT_main(bpy.types.Panel):
         if session.other_build:
             warning = self.layout.column(align=True)
             warning.alert = True
-            for place, part in enumerate(textwrap.wrap(build.MESSAGE, 40)):
-                warning.label(text=part, icon="BLANK1" if place else "ERROR")
+            draw_lines(warning, "ERROR", build.MESSAGE)
         row = self.layout.row(align=True)
         row.scale_y = 1.3
         if session.work is not None:  # in place of the buttons, so that nothing moves
             fraction, stage = session.work.progress
-            row.progress(factor=fraction, text=f"{stage} (ESC cancels)")
+            row.progress(factor=fraction, text=translated(f"{stage} (ESC cancels)"))
             return
         row.prop(context.window_manager, "lissom_page", expand=True)
 

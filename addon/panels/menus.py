@@ -3,6 +3,7 @@
 import bpy
 
 from ..bridge import checks
+from ..translations import translated
 from .inbetween import set_bake
 from .pose import set_bind
 from .transfer import set_transfer
@@ -124,7 +125,9 @@ def _draw_keys(menu, context):
     settings = context.scene.lissom_transfer
     if settings.source == obj and settings.target is not None:
         transfer = menu.layout.operator(
-            "lissom.transfer_keys", text=f"Transfer to {settings.target.name}", icon="SHAPEKEY_DATA"
+            "lissom.transfer_keys",
+            text=translated(f"Transfer to '{settings.target.name}'"),
+            icon="SHAPEKEY_DATA",
         )
         transfer.keys = obj.active_shape_key.name
 

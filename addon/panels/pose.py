@@ -5,6 +5,7 @@ import bpy
 from .. import session
 from ..bridge import checks, empties, poses
 from ..core.pose_options import METHODS
+from ..translations import translated
 from .common import Sidebar, draw_fold, draw_lines, draw_options, split_column
 
 METHOD_LINES = {name: line for name, _, line in METHODS}
@@ -22,9 +23,9 @@ class LISSOM_UL_handles(bpy.types.UIList):
         row.alert = not known or not empties.is_alive(item.empty)
         if row.alert:
             lost = "no such group" if not known else "Empty deleted"
-            row.label(text=f"{item.name} ({lost})", icon="ERROR")
+            row.label(text=f"{item.name} ({translated(lost)})", icon="ERROR", translate=False)
             return
-        row.label(text=item.name, icon="GROUP_VERTEX")
+        row.label(text=item.name, icon="GROUP_VERTEX", translate=False)
         chosen = item.empty.select_get()
         select = row.operator(
             "lissom.pose_handle_select",
@@ -195,7 +196,9 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         if settings.stood and obj.active_shape_key_index:
             key = obj.active_shape_key
             if key.name != settings.preview:
-                drive = box.operator("lissom.pose_drive", text=f"Drive '{key.name}' by Bone", icon="DRIVER")
+                drive = box.operator(
+                    "lissom.pose_drive", text=translated(f"Drive '{key.name}' by Bone"), icon="DRIVER"
+                )
                 drive.object, drive.key = obj.name, key.name
         self._draw_bake(layout, obj, settings)
         layout.operator("lissom.pose_unbind", icon="UNLINKED").object = obj.name

@@ -4,6 +4,7 @@ import bpy
 
 from ..bridge.written import is_edited
 from ..core.quality import ORDERS, badness
+from ..translations import translated
 from .common import draw_lines
 
 VERDICT_ICONS = {"good": "CHECKMARK", "look": "INFO", "bad": "ERROR"}
@@ -23,7 +24,7 @@ class LISSOM_UL_quality(bpy.types.UIList):
         if data.quality_order != "verdict":  # the reasons of the active row are below the table
             said = row.row()
             said.alignment = "RIGHT"
-            said.label(text=ORDERS[data.quality_order][1](item))
+            said.label(text=translated(ORDERS[data.quality_order][1](item)), translate=False)
 
     def filter_items(self, context, data, property_name):
         rows = getattr(data, property_name)
@@ -68,7 +69,8 @@ def _draw_table(layout, settings, rows):
         return
     active = settings.quality[settings.active_quality]
     for reason in active.reasons.splitlines():
-        draw_lines(layout, VERDICT_ICONS[active.verdict], reason.capitalize())
+        said = translated(reason)
+        draw_lines(layout, VERDICT_ICONS[active.verdict], said[:1].upper() + said[1:])
     if active.faces not in ("", "{}"):
         select = layout.operator("lissom.quality_select", icon="RESTRICT_SELECT_OFF")
         select.key = active.name

@@ -9,6 +9,7 @@ from ..bridge.assembly import both_sides
 from ..bridge.written import is_edited
 from ..core.colours import LEGEND, LIMIT
 from ..core.refused import Refused
+from ..translations import translated
 from .common import BUTTON, Sidebar, draw_fold, draw_lines, split_column
 from .quality import draw_quality, draw_review
 
@@ -222,7 +223,9 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
     def _draw_markers(self, layout, context):
         settings = context.scene.lissom_transfer
         row = layout.row(align=True)
-        row.label(text=f"Markers: {len(settings.markers)}" if len(settings.markers) else "Markers:")
+        row.label(
+            text=translated(f"Markers: {len(settings.markers)}" if len(settings.markers) else "Markers:")
+        )
         row.operator(
             "lissom.marker_pick", text="Pick", icon="EYEDROPPER", depress=session.picking is not None
         )
@@ -259,13 +262,13 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
     def _draw_curves(self, layout, settings):
         column = layout.column(align=True)
         row = column.row(align=True)
-        row.label(text=f"Curves: {len(settings.curves)}" if len(settings.curves) else "Curves:")
+        row.label(text=translated(f"Curves: {len(settings.curves)}" if len(settings.curves) else "Curves:"))
         row.operator("lissom.curve_add", text="From Edges", icon="EDGESEL")
         for place, curve in enumerate(settings.curves):
             row = column.row(align=True)
             row.prop(curve, "name", text="")
             counts = [len(set(vertices.split())) for vertices in curve.vertices]
-            row.label(text="{} to {}".format(*counts))
+            row.label(text=translated("{} to {}".format(*counts)))
             row.operator("lissom.curve_remove", text="", icon="X").index = place
 
     def _draw_fit(self, layout, context):

@@ -16,6 +16,7 @@ from ..core.easing import EASINGS
 from ..core.inbetween import MAX_COUNT
 from ..core.options import option
 from ..drawing import ghost
+from ..translations import CONTEXT
 from .options import option_property
 
 # A file stores the place in these lists: only append.
@@ -82,7 +83,11 @@ class ArcSettings:
     """Mixin: how the path becomes keys, and how they are played."""
 
     sampling: EnumProperty(
-        name="Keys", description="What decides the number of keys", items=SAMPLING_ITEMS, default="COUNT"
+        name="Keys",
+        translation_context=CONTEXT,
+        description="What decides the number of keys",
+        items=SAMPLING_ITEMS,
+        default="COUNT",
     )
     count: IntProperty(
         name="In-betweens",

@@ -18,6 +18,7 @@ from ..bridge.meshes import rest_place
 from ..bridge.screen import redraw_views
 from ..core.options import option
 from ..core.surface import Point
+from ..translations import CONTEXT
 from .options import option_property
 from .pose import BAKE_ITEMS, BAKE_OUTPUT, BAKE_PATH, BAKE_STEP
 
@@ -375,6 +376,7 @@ class LissomTransfer(bpy.types.PropertyGroup):
     face_names: face_names_property()
     landmarks: EnumProperty(
         name="Landmarks",
+        translation_context=CONTEXT,
         description="Which places Pick asks for, one after the other",
         items=[
             ("FREE", "Free", "Any places, in any order"),
@@ -394,6 +396,7 @@ class LissomTransfer(bpy.types.PropertyGroup):
     active_marker: IntProperty(name="Active Marker", options=set())
     what: EnumProperty(
         name="Transfer",
+        translation_context=CONTEXT,
         description="What of the source is carried over",
         items=[
             ("KEYS", "Keys", "Its shape keys"),

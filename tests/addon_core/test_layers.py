@@ -13,7 +13,7 @@ BEGIN, END = "<!-- imports of the extension -->", "<!-- end of the imports of th
 # From the ground up; addon/__init__.py is the door. Nothing imports what stands beside it.
 LAYERS = (
     ("core", "session"),
-    ("bridge",),
+    ("bridge", "translations"),
     ("preferences",),
     ("live", "drawing", "watch"),
     ("rebind",),

@@ -1,0 +1,79 @@
+"""Texts in another language, and texts broken into lines.
+
+A finished message is found again by the template that it was made of: a table maps ``There is no object named
+'{0}'`` to the same in another language. So no caller knows about languages, and messages of the core, which
+come finished, are spoken too. What stands in single quotes is a name and stays; other values that the table
+knows are spoken as well.
+"""
+
+import functools
+import re
+
+FIELD = re.compile(r"('?)\{(\d+)\}('?)")
+# Languages without spaces break between any two signs, but not before one that closes.
+_UNIT = re.compile(
+    r"[\u2e80-\u9fff\uff00-\uffef\u201c(]*?[\u2e80-\u9fff\uff00-\uffef][\u3001-\u301f\uff00-\uff65\u201d]*"
+    r"|[^\s\u2e80-\u9fff\uff00-\uffef]+|\s+"
+)
+
+
+class Catalogue:
+    """Templates in English, each with its form in another language."""
+
+    def __init__(self, table):
+        """``table``: {template: the same in the other language}, values as ``{0}``, ``{1}`` and so on."""
+        self._exact = {text: said for text, said in table.items() if not FIELD.search(text)}
+        made = [text for text in table if FIELD.search(text)]
+        made.sort(key=lambda text: -len(FIELD.sub("", text)))  # the one that says most is tried first
+        self._templates = [(_pattern(text), *_names(text), table[text]) for text in made]
+        self.said = functools.lru_cache(maxsize=1024)(self._said)
+
+    def _said(self, text):
+        """A message in the other language; what is not known stays as it is."""
+        if not text or text in self._exact:
+            return self._exact.get(text, text)
+        for pattern, numbers, names, said in self._templates:
+            found = pattern.fullmatch(text)
+            if found:
+                values = [
+                    value if name else self.said(value)
+                    for value, name in zip(found.groups(), names, strict=True)
+                ]
+                return _filled(said, dict(zip(numbers, values, strict=True)))
+        for mark in (". ", "; ", ": "):  # sentences, and warnings that begin with what they are about
+            head, found, rest = text.partition(mark)
+            if found and head and rest:
+                return f"{self.said(head)}{mark}{self.said(rest)}"
+        return text
+
+
+def _pattern(template):
+    parts = FIELD.split(template)
+    regex = re.escape(parts[0])
+    for before, _, after, text in zip(parts[1::4], parts[2::4], parts[3::4], parts[4::4], strict=True):
+        regex += f"{before}(.*?){after}{re.escape(text)}"
+    return re.compile(regex, re.DOTALL)
+
+
+def _names(template):
+    found = FIELD.findall(template)
+    return [int(number) for _, number, _ in found], [bool(before and after) for before, _, after in found]
+
+
+def _filled(said, values):
+    return re.sub(r"\{(\d+)\}", lambda field: values[int(field[1])], said)
+
+
+def lines(text, fits):
+    """The text as lines that ``fits(line)`` takes; a word that fits nowhere has a line of its own."""
+    made = [""]
+    for unit in _UNIT.findall(text):
+        if unit.isspace():
+            made[-1] += " " if made[-1] else ""
+        elif not made[-1] or fits(made[-1] + unit):
+            made[-1] += unit
+        else:
+            made[-1] = made[-1].rstrip()
+            made.append(unit)
+    made[-1] = made[-1].rstrip()
+    return made

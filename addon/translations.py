@@ -1,0 +1,46 @@
+"""The extension in the language that Blender is set to.
+
+What Blender draws by itself (labels, tooltips, names of properties) it translates by the table that is
+registered here; messages that are made of several parts go through ``translated``.
+"""
+
+import json
+import pathlib
+
+import bpy
+
+from .core.wording import Catalogue
+
+FOLDER = pathlib.Path(__file__).with_name("locale")
+CONTEXT = "Lissom"  # of words that mean something else in Blender
+CONTEXTS = ("*", "Operator", CONTEXT)  # of labels and tooltips, of buttons, and our own
+
+_catalogues = {}
+
+
+def language():
+    """The code of the language that Blender's interface is in, such as ``zh_HANS``; "" for English alone."""
+    spoken = bpy.context.preferences.view.use_translate_interface
+    return bpy.app.translations.locale if spoken else ""
+
+
+def translated(text):
+    """A text or a finished message in Blender's language, where there is one of ours."""
+    catalogue = _catalogues.get(language())
+    return catalogue.said(text) if catalogue else text
+
+
+def register():
+    registered = {}
+    for file in FOLDER.glob("*.json"):
+        table = json.loads(file.read_text(encoding="utf-8"))
+        _catalogues[file.stem] = Catalogue(table)
+        registered[file.stem] = {
+            (context, text): said for text, said in table.items() for context in CONTEXTS
+        }
+    bpy.app.translations.register(__name__, registered)
+
+
+def unregister():
+    bpy.app.translations.unregister(__name__)
+    _catalogues.clear()

@@ -1,0 +1,72 @@
+"""Every text of the extension is there in Simplified Chinese, and finished messages are found again."""
+
+import json
+import re
+
+import pytest
+import strings
+from bl_ext.user_default.lissom import translations
+from bl_ext.user_default.lissom.core import landmarks
+from bl_ext.user_default.lissom.core.wording import Catalogue
+
+FILE = strings.ADDON / "locale" / "zh_HANS.json"
+FIELD = re.compile(r"\{\d+\}|%[ds]")
+# Names and units that are the same in every language.
+SAME = {"ARKit", "ICT", "VRM", "Lissom", "Alpha", "Esc"}
+
+
+@pytest.fixture(scope="module")
+def table():
+    return json.loads(FILE.read_text(encoding="utf-8"))
+
+
+def test_every_text_is_translated(addon, table):
+    wanted = {**strings.of_sources(), **strings.of_classes(addon._CLASSES)}
+    wanted |= {mark.name: "core/landmarks.py" for marks in landmarks.SETS.values() for mark in marks}
+    assert len(wanted) > 900
+    missing = {text: place for text, place in wanted.items() if text not in table and text not in SAME}
+    lines = [f"{json.dumps(text)}: {place}" for text, place in sorted(missing.items())]
+    assert not missing, f"{len(missing)} texts are missing in {FILE.name}:\n" + "\n".join(lines)
+
+
+def test_placeholders_agree(table):
+    wrong = [
+        text for text, said in table.items() if sorted(FIELD.findall(text)) != sorted(FIELD.findall(said))
+    ]
+    assert not wrong, wrong
+
+
+def test_it_is_chinese(table):
+    plain = [
+        text
+        for text, said in table.items()
+        if not re.search("[\u4e00-\u9fff]", said) and re.search("[a-z]{2}", text) and text not in SAME
+    ]
+    assert not [text for text in plain if len(FIELD.sub("", text).strip()) > 8], plain
+    assert not [said for said in table.values() if said != said.strip()]
+
+
+@pytest.mark.parametrize(
+    ("english", "chinese"),
+    [
+        ("There is no object named 'Pose'", "没有名为“Pose”的物体"),
+        ("'Head' is in edit mode: go to Object Mode first", "“Head”处于编辑模式：请先切换到物体模式"),
+        ("Shape keys 'a', 'b' are locked: unlock them in the list of shape keys", "“a”, “b”"),
+        ("12 marker pairs and 3 curves from a.json", "来自 a.json 的 12 个标记对和 3 条曲线"),
+        ("bent arc: Curve 3", "bent arc: 曲线 3"),
+        ("Something else", "Something else"),
+    ],
+)
+def test_finished_messages_are_found_again(table, english, chinese):
+    said = Catalogue(table).said(english)
+    if "are locked" in english:  # lists of names stay as they are
+        assert said == "形态键 'a', 'b' 已锁定：请在形态键列表中解锁"
+    else:
+        assert said == chinese
+
+
+def test_what_is_said_follows_blenders_language(monkeypatch):
+    text = "Press Bind first"
+    assert translations.translated(text) == text
+    monkeypatch.setattr(translations, "language", lambda: "zh_HANS")  # Blender as a module has English alone
+    assert translations.translated(text) == "请先点击“绑定”"
