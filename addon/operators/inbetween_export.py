@@ -4,7 +4,7 @@ import bpy
 from bpy.props import BoolProperty
 
 from ..bridge import exported
-from .inbetween_arcs import ArcOperator
+from .arcs import ArcOperator
 from .job import answering
 
 

@@ -6,7 +6,7 @@ import bpy
 
 from .. import session
 from ..core import build
-from .common import TAB
+from ..layouts import TAB
 
 
 class LISSOM_PT_main(bpy.types.Panel):
