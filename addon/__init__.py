@@ -5,9 +5,10 @@ import pathlib
 import bpy
 import lissom
 
-from . import commands, live, preferences, rebind, session, translations, watch
+from . import changes, commands, live, preferences, rebind, session, translations, watch
 from .core import build
 from .drawing import ghost, guide, marks
+from .jobs import review
 from .operators import (
     face,
     inbetween_all,
@@ -24,6 +25,8 @@ from .operators import (
     pose_handles,
     pose_tool,
     transfer_attributes,
+    transfer_curves,
+    transfer_files,
     transfer_fit,
     transfer_keys,
     transfer_landmarks,
@@ -35,19 +38,29 @@ from .operators import (
     transfer_show,
     transfer_sides,
     transfer_views,
+    warnings,
 )
 from .panels import inbetween as inbetween_panel
 from .panels import main as main_panel
+from .panels import markers as marker_panel
 from .panels import menus
 from .panels import pose as pose_panel
 from .panels import quality as quality_panel
 from .panels import transfer as transfer_panel
 from .properties import inbetween as inbetween_properties
 from .properties import main as main_properties
+from .properties import markers as marker_properties
 from .properties import pose as pose_properties
+from .properties import ticks
 from .properties import transfer as transfer_properties
 
-_PROPERTIES = (main_properties, pose_properties, transfer_properties, inbetween_properties)
+_PROPERTIES = (
+    main_properties,
+    pose_properties,
+    marker_properties,
+    transfer_properties,
+    inbetween_properties,
+)
 _OPERATORS = (
     page,
     pose_handles,
@@ -60,6 +73,8 @@ _OPERATORS = (
     face,
     transfer_sides,
     transfer_markers,
+    transfer_curves,
+    transfer_files,
     transfer_landmarks,
     transfer_pick,
     transfer_views,
@@ -75,10 +90,18 @@ _OPERATORS = (
     inbetween_arcs,
     inbetween_export,
     inbetween_image,
+    warnings,
 )
-_PANELS = (main_panel, pose_panel, quality_panel, transfer_panel, inbetween_panel)  # in the order of the tab
+_PANELS = (
+    main_panel,
+    pose_panel,
+    quality_panel,
+    marker_panel,
+    transfer_panel,
+    inbetween_panel,
+)  # in the order of the tab
 _DRAWING = (ghost, marks, guide)
-_MODULES = (*_PROPERTIES, *_OPERATORS, *_PANELS, menus, preferences)
+_MODULES = (ticks, *_PROPERTIES, *_OPERATORS, *_PANELS, menus, preferences)
 _CLASSES = [cls for module in _MODULES for cls in module.classes]
 
 
@@ -95,7 +118,9 @@ def register():
     pose_tool.register()
     menus.register()
     live.register()
+    rebind.register()
     watch.register()
+    changes.quality_row.append(review.show_row)
     for module in _DRAWING:
         module.register()
     commands.register()
@@ -105,8 +130,9 @@ def unregister():
     commands.unregister()
     for module in reversed(_DRAWING):
         module.unregister()
-    rebind.unregister()
+    changes.quality_row.remove(review.show_row)
     watch.unregister()
+    rebind.unregister()
     live.unregister()
     menus.unregister()
     pose_tool.unregister()

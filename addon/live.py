@@ -6,20 +6,16 @@ method that stops early goes on from there while nothing moves. In background mo
 the solve is done at once. Only moved Empties count, and the solve moves none: it cannot call itself.
 """
 
-import contextlib
 import time
 
 import bpy
-import lissom
 from bpy.app.handlers import persistent
 
-from . import session
-from .bridge import applied, poses
+from . import changes, session
 from .bridge.screen import redraw_sidebars
-from .core.refused import Refused
+from .jobs import applied, bound
 
 _due = set()  # names of mesh objects to solve
-_paused = False
 _delay = 0.0  # seconds until the next solve: half of what the last one took, to leave time for drawing
 MAX_DELAY = 0.25
 BUDGET = 1 / 60  # seconds that an iterative method may take in one go while the artist watches
@@ -32,58 +28,21 @@ def mark(obj):
         bpy.app.timers.register(_flush, first_interval=_delay)
 
 
-def update(obj, seconds=None):
-    """Solves once if the handles moved, within about ``seconds``; True where more iterations are wanted."""
-    settings = obj.lissom_pose
-    if not (settings.bound and settings.live) or obj.mode != "OBJECT":
-        return False
-    started = time.perf_counter()
-    try:
-        bound = poses.current(obj)
-        motion = poses.motion(obj)
-        if not bound.is_due(motion):
-            return False
-        poses.preview(obj)
-        options = {"max_iterations": bound.iterations_within(seconds, motion)} if seconds else {}
-        vertices, _ = bound.solve(motion, **options)
-        poses.show(obj, vertices)
-    except (Refused, lissom.Error) as error:
-        session.status[obj.name] = ("ERROR", str(error))
-        return False
-    except Exception as error:  # a bug of ours: shown and printed once, not at every move of the mouse
-        settings.live = False
-        session.status[obj.name] = ("ERROR", f"Live is off after an error: {error}")
-        raise
-    session.status[obj.name] = ("CHECKMARK", f"Solved in {1e3 * (time.perf_counter() - started):.0f} ms")
-    return not bound.converged
-
-
 def _flush():
     global _delay
     started = time.perf_counter()
     for name in list(_due):
         obj = bpy.data.objects.get(name)
-        if obj is None or not update(obj, BUDGET):
+        if obj is None or not bound.follow(obj, BUDGET):
             _due.discard(name)
     _delay = min(0.5 * (time.perf_counter() - started), MAX_DELAY)
     redraw_sidebars()
     return _delay if _due else None
 
 
-@contextlib.contextmanager
-def paused():
-    """Empties may be moved meanwhile, and no mesh follows."""
-    global _paused
-    _paused = True
-    try:
-        yield
-    finally:
-        _paused = False
-
-
 @persistent
 def _on_update(scene, depsgraph):
-    if _paused:
+    if not session.following:
         session.edited.clear()
         return
     for change in depsgraph.updates:
@@ -103,7 +62,7 @@ def _on_update(scene, depsgraph):
         while _due:
             obj = bpy.data.objects.get(_due.pop())
             if obj is not None:
-                update(obj)
+                bound.follow(obj)
 
 
 @persistent
@@ -144,11 +103,13 @@ _HANDLERS = (
 def register():
     for event, handler in _HANDLERS:
         getattr(bpy.app.handlers, event).append(handler)
+    changes.handle_turn.append(mark)
 
 
 def unregister():
     for event, handler in _HANDLERS:
         getattr(bpy.app.handlers, event).remove(handler)
+    changes.handle_turn.remove(mark)
     if bpy.app.timers.is_registered(_flush):
         bpy.app.timers.unregister(_flush)
     _due.clear()

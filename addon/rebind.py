@@ -7,10 +7,10 @@ they change meanwhile. Until it is done the mesh stays as it was last posed.
 import bpy
 import lissom
 
-from . import live, session
-from .bridge import poses
+from . import changes, live, session
 from .bridge.screen import redraw_sidebars
 from .core.refused import Refused
+from .jobs import bound
 
 REST_SECONDS = 0.15
 POLL_SECONDS = 0.05
@@ -21,18 +21,11 @@ def ask(obj):
     if bpy.app.background:  # timers do not run: the next solve binds
         live.mark(obj)
         return
-    drop(obj)
+    bound.stop_binding(obj)
     session.rebinding[obj.name] = None
     if bpy.app.timers.is_registered(_poll):
         bpy.app.timers.unregister(_poll)
     bpy.app.timers.register(_poll, first_interval=REST_SECONDS)
-
-
-def drop(obj):
-    """Stops what ``ask`` began."""
-    work = session.rebinding.pop(obj.name, None)
-    if work is not None:
-        work.cancel()
 
 
 def _poll():
@@ -53,7 +46,7 @@ def _goes_on(name):
     if obj is None or not obj.lissom_pose.bound:
         return False
     if work is None:
-        work = session.rebinding[name] = poses.bind_again(obj)
+        work = session.rebinding[name] = bound.bind_again(obj)
         session.status[name] = ("SORTTIME", "Binding anew, as the options say")
     if not work.poll():
         return True
@@ -64,7 +57,12 @@ def _goes_on(name):
     return False
 
 
+def register():
+    changes.pose_options.append(ask)
+
+
 def unregister():
     """Stops all of it."""
+    changes.pose_options.remove(ask)
     if bpy.app.timers.is_registered(_poll):
         bpy.app.timers.unregister(_poll)

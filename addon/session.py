@@ -4,6 +4,8 @@ Nothing here refers to Blender's data: objects are known by name or session_uid,
 loading a file leave no dangling reference. All of it can be lost and made again.
 """
 
+import contextlib
+
 poses = {}  # session_uid of a mesh object -> core.pose.BoundPose
 worlds = {}  # session_uid of a bound mesh object -> its matrix (4, 4) when it was last looked at
 skins = {}  # session_uid of a bound mesh object -> core.skin.Skin that it was bound with, where it has one
@@ -21,6 +23,7 @@ review = None  # jobs.review.Review while transferred keys are looked at
 views = None  # (the area that was split, the new one), by their addresses, while there are two for picking
 other_build = False  # whether the native part is of another build than the extension
 history = 0  # counts undo, redo and file loading
+following = True  # whether meshes follow their handles
 
 
 def clear():
@@ -37,3 +40,14 @@ def clear():
     colours.clear()
     stale.clear()
     fit = picking = review = views = None
+
+
+@contextlib.contextmanager
+def paused():
+    """Empties may be moved meanwhile, and no mesh follows."""
+    global following
+    before, following = following, False
+    try:
+        yield
+    finally:
+        following = before

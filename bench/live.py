@@ -25,6 +25,7 @@ import lissom  # noqa: E402
 import numpy as np  # noqa: E402
 import pose  # noqa: E402
 from bl_ext.user_default.lissom import live  # noqa: E402
+from bl_ext.user_default.lissom.jobs.bound import follow  # noqa: E402
 
 MOVES = 40
 
@@ -68,7 +69,7 @@ def play(obj):
         begin = time.perf_counter()
         bpy.context.view_layer.update()
         middle = time.perf_counter()
-        live.update(obj, live.BUDGET)
+        follow(obj, live.BUDGET)
         end = time.perf_counter()
         obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
         whole.append(time.perf_counter() - begin)

@@ -1,35 +1,16 @@
-"""Baked arcs of a mesh object: shape keys under one slider.
-
-Relative keys: the baked keys are Basis + P_i - P_0 of the path P at its knots, relative to the Basis as every
-exporter takes them, and each driven by its hat function h_i of the slider t. Blender then adds
-sum_i h_i(t) (P_i - P_0) to what the other keys show: with the start key on, that is the path from P_0 to
-P_n, straight between the knots; P_0 needs no key. P_0 and P_n are what the artist sees with the start or the
-end key on, whatever key they are relative to and whatever vertex group masks them: exporters know no masks.
-
-Where the end key's range goes beyond 0 and 1, the path goes on straight to keys at the ends of that range.
-
-Absolute keys: P_0 to P_n are keys one after the other behind those that were there, and the slider drives
-the evaluation time through them; Blender goes straight from key to key by itself.
-"""
+"""Baked arcs of a mesh object: which there are, their ends as arrays, and what they show."""
 
 import hashlib
-from dataclasses import fields
 
 import bpy
 import numpy as np
 
-from ..core import easing, hat, names, space
+from ..core import hat, names, space
 from ..core import inbetween as core_inbetween
-from ..core.easing import EASINGS
-from ..core.inbetween import Asked, path_steps
-from ..core.refused import Refused, first
+from ..core.inbetween import ArcAsked, path_steps
+from ..core.refused import Refused
 from ..core.work import Work
-from . import animation, checks, images, meshes, mirrors, shape_keys, sliders
-
-# The evaluation time that an absolute arc takes. Blender puts a new key 10 behind the last one unless a key,
-# this one too, is within 0.1 of the time asked for: hat.NEAREST must be more, and the last key is made first.
-DURATION = 2000.0
-GAP = 10.0  # between the last key and the first of the arc, as Blender itself spaces them
+from . import checks, meshes, mirrors, shape_keys, sliders
 
 
 def refusal(obj):
@@ -57,7 +38,7 @@ def is_stale(obj, arc):
     if not arc.digest:  # of an older version
         return False
     try:
-        return Ends(obj, asked_of(arc)).digest() != arc.digest
+        return Ends(obj, ArcAsked.of(arc)).digest() != arc.digest
     except Refused:
         return True
 
@@ -68,12 +49,6 @@ def find(obj, slider):
     if arc is None:
         raise Refused(f"'{obj.name}' has no arc with a slider named '{slider}'")
     return arc
-
-
-def asked_of(settings, **also):
-    """What an operator, the panel or a baked arc asks for."""
-    known = {one.name: getattr(settings, one.name) for one in fields(Asked) if hasattr(settings, one.name)}
-    return Asked(**known | also)
 
 
 class Ends:
@@ -150,118 +125,6 @@ def obstacle(obj, name, ends):
     return first_shape, space.outward(linear, faces), last_shape
 
 
-class Baking:
-    """An arc on its way into shape keys: read here, computed by ``steps``, written by ``write``."""
-
-    def __init__(self, obj, asked):
-        require(obj)
-        if not asked.end:
-            raise Refused("Choose the shape key that the arc leads to first")
-        self.asked, self._ends = asked, Ends(obj, asked)
-        wanted = asked.slider or names.shorten(self._ends.names[1], " arc")
-        sliders.check_name(obj, wanted)
-        self.slider = names.resolve(wanted, set(obj.keys()), asked.exists)
-        if self.slider is None:
-            raise Refused(f"Slider '{wanted}' exists, and If Exists is Skip: choose another name")
-        self._check_slider(obj)
-
-    def steps(self):
-        """Steps of a Work whose result ``write`` takes."""
-        return self._ends.path_steps(self.asked)
-
-    def _check_slider(self, obj):
-        slider = self.slider
-        if slider in obj and slider not in obj.lissom_inbetween.arcs:
-            raise Refused(
-                f"'{slider}' is a custom property of another kind: choose another name for the slider"
-            )
-        other = absolute(obj)
-        if other is not None and other.name != slider:
-            raise Refused(f"The shape keys play the absolute arc '{other.name}': remove it first")
-        old = sliders.baked_keys(obj, slider)
-        if set(self._ends.names) & set(old):
-            raise Refused(f"From and To must not be keys of slider '{slider}' itself: choose another slider")
-        checks.require_unlocked([shape_keys.find(obj, name) for name in old])
-
-    def write(self, sampled):
-        """Writes core.inbetween.Sampled; returns the number of keys, and warnings."""
-        obj = self._ends.mesh.find()
-        require(obj)
-        start, end = (shape_keys.find(obj, name) for name in self._ends.names)
-        self._check_slider(obj)
-        value = obj.get(self.slider)
-        value = float(value) if isinstance(value, (int, float)) else 0.0
-        before = obj.lissom_inbetween.arcs.get(self.slider)
-        rerouted = before.end if before is not None and before.reroute else ""
-        shapes = self._ends.back(sampled.shapes)
-        _remove_keys(obj, self.slider)
-        description = f"Lissom: from '{start.name}' at 0 along an arc to '{end.name}' at 1"
-        knots, shapes = hat.beyond(sampled.knots, shapes, end.slider_min, end.slider_max)
-        sliders.add(obj, self.slider, description, value, (knots[0], knots[-1]))
-        arc = obj.lissom_inbetween.arcs.add()
-        for one in fields(Asked):
-            if hasattr(arc, one.name):
-                setattr(arc, one.name, getattr(self.asked, one.name))
-        arc.name, arc.start, arc.end = self.slider, start.name, end.name
-        arc.digest = self._ends.digest()
-        warnings = [*sampled.warnings, *mirrors.left_out(obj)]
-        if rerouted and rerouted != end.name:
-            arc.reroute = False  # what the slider has is another key's
-            warnings.append(f"The slider keeps the animation that it took over from '{rerouted}'")
-        elif self.asked.reroute:
-            warnings += _reroute(obj, end, arc)
-        else:
-            arc.reroute = bool(rerouted)
-        write = self._write_absolute if self.asked.playback == "ABSOLUTE" else self._write_relative
-        warnings += write(obj, arc, start, end, knots, shapes)
-        if self.asked.prepare_keys:
-            warnings += sliders.take_over(obj, arc.name, start, end)
-        warnings += images.lay_again(obj, arc)
-        warnings += filter(None, [checks.shared_data(obj)])
-        arc.warnings = "\n".join(warnings)
-        return len(arc.keys), warnings
-
-    def _write_relative(self, obj, arc, start, end, knots, shapes):
-        settings = shape_keys.Settings(mute=end.mute)
-        curve = EASINGS[self.asked.easing]
-        offset = self._ends.mesh.vertices - self._ends.first
-        for index in np.flatnonzero(knots):
-            key = self._key(obj, arc, knots[index], shapes[index] + offset, settings)
-            sliders.drive(key, "value", obj, arc.name, hat.corners(knots, index, curve))
-        if end.mute:
-            return [f"Shape key '{end.name}' is muted, and so are the keys of its arc"]
-        return []
-
-    def _write_absolute(self, obj, arc, start, end, knots, shapes):
-        keys = obj.data.shape_keys
-        others = [key.name for key in keys.key_blocks if key not in (keys.reference_key, start, end)]
-        offset = max(key.frame for key in keys.key_blocks) + GAP - DURATION * knots[0]
-        keys.use_relative = False
-        for knot, shape in reversed(list(zip(knots, shapes, strict=True))):
-            keys.eval_time = offset + DURATION * knot  # where Blender puts a new absolute key
-            self._key(obj, arc, knot, shape, shape_keys.Settings()).interpolation = "KEY_LINEAR"
-            arc.keys.move(len(arc.keys) - 1, 0)
-        curve = EASINGS[self.asked.easing]
-        times = np.unique([knots[0], 0.0, 1.0, knots[-1]])
-        slopes = curve.slope(np.clip(times, 0.0, 1.0))
-        before = DURATION * np.where((times <= 0) | (times > 1), 1.0, slopes)
-        after = DURATION * np.where((times < 0) | (times >= 1), 1.0, slopes)
-        corners = easing.bezier(times, offset + DURATION * times, before, after)
-        sliders.drive(keys, "eval_time", obj, arc.name, corners)
-        if not others:
-            return []
-        listed = first(repr(name) for name in others)
-        return [f"Absolute keys show the arc alone: shape key {listed} no longer adds to it"]
-
-    def _key(self, obj, arc, knot, positions, settings):
-        taken = set(obj.data.shape_keys.key_blocks.keys())
-        name = names.unused(names.shorten(arc.name, f" {_percent(knot)}%"), taken)
-        key = shape_keys.write(obj, name, positions, settings)
-        made = arc.keys.add()
-        made.name, made.time = key.name, knot
-        return key
-
-
 def require(obj):
     """Raises what ``refusal`` says."""
     reason = refusal(obj)
@@ -282,66 +145,13 @@ def played(obj, slider, times):
     return np.tensordot(hat.weights(knots, times), keys, axes=1)
 
 
-def remove(obj, slider):
-    """Removes an arc with its keys and its slider; returns warnings."""
-    arc = find(obj, slider)
-    checks.require_unlocked([shape_keys.find(obj, name) for name in sliders.baked_keys(obj, slider)])
-    start, end, rerouted = arc.start, arc.end, arc.reroute
-    _remove_keys(obj, slider)
-    warnings = []
-    keys = obj.data.shape_keys
-    value = obj.get(slider)
-    if rerouted and keys is not None and end in keys.key_blocks:
-        path, back = sliders.data_path(slider), keys.key_blocks[end].path_from_id("value")
-        left = animation.move(obj, path, keys, back)
-        animation.redirect(obj, path, keys, back)
-        if left:
-            warnings.append(f"The animation of slider '{slider}' is not handed back: {left[0]}")
-    if keys is not None and {start, end} <= set(keys.key_blocks.keys()) and isinstance(value, (int, float)):
-        sliders.hand_back(value, keys.key_blocks[start], keys.key_blocks[end])
-    images.take_away(obj, slider)
-    if slider in obj:
-        del obj[slider]
-    orphans = sliders.driven_keys(obj, slider)
-    if orphans:
-        listed = first(repr(name) for name in orphans)
-        warnings.append(f"The driver of shape key {listed} has lost its slider '{slider}'")
-    return warnings
+def key_name(slider, time, taken):
+    """The name of the key of an arc at a time on it, that is none of ``taken``."""
+    percent = f"{100 * time:.1f}".rstrip("0").rstrip(".")
+    return names.unused(names.shorten(slider, f" {percent}%"), taken)
 
 
-def rename(obj, slider, name):
-    """Renames the slider of an arc, its keys, and what animates or reads it; returns warnings."""
-    arc = find(obj, slider)
-    if name == slider:
-        return []
-    sliders.check_name(obj, name)
-    if name in obj:
-        raise Refused(f"'{name}' is a custom property already: choose another name for the slider")
-    baked = sliders.baked_keys(obj, slider)
-    checks.require_unlocked([shape_keys.find(obj, key) for key in baked])
-    description = obj.id_properties_ui(slider).as_dict().get("description", "") if slider in obj else ""
-    times = [0.0, 1.0, *(key.time for key in arc.keys)]
-    sliders.add(obj, name, description, obj.get(slider, 0.0), (min(times), max(times)))
-    left = animation.move(obj, sliders.data_path(slider), obj, sliders.data_path(name))
-    animation.redirect(obj, sliders.data_path(slider), obj, sliders.data_path(name))
-    if slider in obj:
-        del obj[slider]
-    arc.name = name
-    taken = set(obj.data.shape_keys.key_blocks.keys()) - set(baked)
-    for made in arc.keys:
-        if made.name in baked:
-            key = shape_keys.find(obj, made.name)
-            made.name = names.unused(names.shorten(name, f" {_percent(made.time)}%"), taken)
-            taken.add(made.name)
-            key.name = made.name
-    return [f"The animation of slider '{slider}' stayed behind: {left[0]}"] if left else []
-
-
-def _percent(time):
-    return f"{100 * time:.1f}".rstrip("0").rstrip(".")
-
-
-def _remove_keys(obj, slider):
+def remove_keys(obj, slider):
     """Removes the arc and its keys; the slider stays."""
     arcs = obj.lissom_inbetween.arcs
     arc = arcs.get(slider)
@@ -355,10 +165,3 @@ def _remove_keys(obj, slider):
         keys.eval_time = 0.0
         keys.use_relative = True
     arcs.remove(arcs.find(slider))
-
-
-def _reroute(obj, end, arc):
-    keys, path, to = end.id_data, end.path_from_id("value"), sliders.data_path(arc.name)
-    left = animation.move(keys, path, obj, to)
-    animation.redirect(keys, path, obj, to)
-    return [f"The animation of shape key '{end.name}' stays with it: {reason}" for reason in left]

@@ -6,7 +6,6 @@ import numpy as np
 from bpy_extras import view3d_utils
 from mathutils import Matrix, Vector
 
-from .. import session
 from ..core import brush, names
 from ..core.refused import Refused
 from . import empties, groups, meshes, poses
@@ -96,7 +95,6 @@ def add(context, obj, found, radius, name):
         moved = brush.rigid(rest[indices], posed[indices]) if len(indices) > 2 else np.eye(4)
         if not np.allclose(moved, np.eye(4), atol=1e-6):
             empties.place(obj, row.empty, moved @ np.array(row.rest).reshape(4, 4))
-        session.poses.pop(obj.session_uid, None)  # bound anew at the next solve
     context.view_layer.update()
     return row
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from .. import session
 from ..core import names, space
 from ..core.pose import Company
 from ..core.refused import Refused
@@ -25,12 +24,13 @@ def add(obj, other):
 
 
 def rows(obj):
-    """The rows of further objects, those that ride first; Refused where one cannot go along."""
-    found = list(obj.lissom_pose.company)
+    """The rows of further objects, those that ride first; Refused where one cannot go along.
+
+    An object that was deleted is none of them: the pose goes on without it.
+    """
+    found = [row for row in obj.lissom_pose.company if is_there(row)]
     for row in found:
         other = row.object
-        if other is None or not other.users_scene:
-            raise Refused("A further object of the pose is gone: take it off the list, or undo that")
         if other == obj or other.data == obj.data:
             raise Refused(f"'{other.name}' is the mesh that is posed: take it off the list")
         if other.lissom_pose.bound:
@@ -39,8 +39,17 @@ def rows(obj):
     return sorted(found, key=lambda row: row.way != "RIDE")
 
 
+def is_there(row):
+    """Whether the object of a row was not deleted: Blender keeps those that are still referred to."""
+    return row.object is not None and len(row.object.users_scene) > 0
+
+
 def begin(obj):
-    """Writes down where further objects stand against a mesh object, and reads their Skins, at Bind."""
+    """Writes down where further objects stand against a mesh object at Bind; {session_uid: Skin} of them."""
+    skins, listed = {}, obj.lissom_pose.company
+    for place in reversed(range(len(listed))):
+        if not is_there(listed[place]):
+            listed.remove(place)
     inverse = np.linalg.inv(np.array(obj.matrix_world, dtype=np.float64))
     for row in rows(obj):
         space.linear_part(row.object.matrix_world, row.object.name)
@@ -49,7 +58,8 @@ def begin(obj):
         skin = standing.read(row.object) if obj.lissom_pose.stands else None
         row.stood = skin is not None
         if row.stood:
-            session.skins[row.object.session_uid] = skin
+            skins[row.object.session_uid] = skin
+    return skins
 
 
 def finish(obj):
@@ -74,18 +84,17 @@ def release(obj):
             shape_keys.remove(other, row.preview)
         if row.made_basis and other.data.shape_keys and len(other.data.shape_keys.key_blocks) == 1:
             other.shape_key_clear()
-        session.skins.pop(other.session_uid, None)
         baked.mute(other, False)
         row.property_unset("preview")
 
 
-def of(obj, linear):
-    """core.pose.Company of a mesh object in solve space."""
+def of(obj, linear, skin_of):
+    """core.pose.Company of a mesh object in solve space; ``skin_of(row)`` is the Skin of a row, or None."""
     parts = {"RIDE": [], "DRAPE": []}
     for row in rows(obj):
         if row.topology != meshes.signature(row.object.data):
             raise Refused(f"'{row.object.name}' was remodelled since Bind: press Unbind, then Bind")
-        skin = _skin(row)
+        skin = skin_of(row)
         matrix = linear @ _matrix(row)[:3, :3]
         rest = meshes.rest_positions(row.object.data) if skin is None else skin.shown
         vertices = rest @ matrix.T + linear @ _matrix(row)[:3, 3]
@@ -109,7 +118,7 @@ def members(obj, wanted):
     return found, np.arange(len(obj.data.vertices), start)
 
 
-def shapes(obj, linear, vertices):
+def shapes(obj, linear, vertices, skin_of):
     """(object, its key that shows the pose, (n, 3) shape) of each further object.
 
     ``vertices`` are those of a solve: the mesh's own come first.
@@ -119,36 +128,21 @@ def shapes(obj, linear, vertices):
         count = len(row.object.data.vertices)
         own = space.back(linear, vertices[place : place + count]) - _matrix(row)[:3, 3]
         shape = space.back(_matrix(row)[:3, :3], own)
-        skin = _skin(row)
-        yield row.object, _preview(row), shape if skin is None else skin.key(shape)
+        skin = skin_of(row)
+        yield row.object, preview(row), shape if skin is None else skin.key(shape)
         place += count
 
 
 def put_to_rest(obj):
     """The keys of further objects at rest."""
     for row in rows(obj):
-        shape_keys.write_points(_preview(row), meshes.rest_positions(row.object.data))
+        shape_keys.write_points(preview(row), meshes.rest_positions(row.object.data))
 
 
 def _matrix(row):
     return np.array(row.matrix, dtype=np.float64).reshape(4, 4)
 
 
-def _skin(row):
-    if not row.stood:
-        return None
-    known = session.skins.get(row.object.session_uid)
-    if known is None:
-        known = session.skins[row.object.session_uid] = standing.read(row.object, _preview(row))
-    return known
-
-
-def _preview(row):
-    keys = row.object.data.shape_keys
-    key = keys.key_blocks.get(row.preview) if keys else None
-    if key is None:
-        raise Refused(
-            f"Shape key '{row.preview}' of '{row.object.name}', which shows the pose, was removed or "
-            "renamed: press Unbind, then Bind"
-        )
-    return key
+def preview(row):
+    """The shape key of a further object that shows its part of the pose."""
+    return shape_keys.preview(row.object, row.preview)

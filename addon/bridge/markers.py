@@ -6,7 +6,6 @@ from itertools import pairwise
 import bpy
 import numpy as np
 
-from .. import session
 from ..core import marker_file, marker_places, markers
 from ..core.picking import Mark
 from ..core.refused import Refused, first
@@ -268,12 +267,11 @@ def _number(rows):
         row.number = marker.number
 
 
-def marks_of(scene):
-    """All marks, as core.picking.Mark; those of a pair that is begun come last."""
+def marks_of(scene, begun=None):
+    """All marks, as core.picking.Mark; that of a pair that is ``begun``, core.picking.Picking, comes last."""
     pairs = markers.numbered(of_scene(scene))
     for index, marker in enumerate(pairs):
         for side in SIDES:
             yield Mark(index, marker.number, side, marker.point(side))
-    begun = session.picking
     if begun is not None and begun.side:
         yield Mark(-1, max((marker.number for marker in pairs), default=0) + 1, begun.side, begun.point)

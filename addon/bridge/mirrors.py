@@ -8,7 +8,7 @@ from ..core.mirrors import AXES, Mirrors
 
 def of(obj, linear, symmetry="OFF"):
     """core.mirrors.Mirrors of an object in solve space; ``symmetry`` is "OFF" or an axis."""
-    modifiers = [modifier for modifier in _shown(obj) if not _reason(modifier)]
+    modifiers = taken(obj)
     axes = sorted({axis for modifier in modifiers for axis in range(3) if modifier.use_axis[axis]})
     merging = [modifier.merge_threshold for modifier in modifiers if modifier.use_mirror_merge]
     asked = [AXES.index(symmetry)] if symmetry != "OFF" else []
@@ -19,6 +19,11 @@ def of(obj, linear, symmetry="OFF"):
         symmetry=tuple(planes[axis] for axis in asked if axis not in axes),
         distance=max(merging) * reach if merging else None,
     )
+
+
+def taken(obj):
+    """The Mirror modifiers of an object that make the half of it that is posed along."""
+    return [modifier for modifier in _shown(obj) if not _reason(modifier)]
 
 
 def left_out(obj):

@@ -59,11 +59,14 @@ def shown_mesh(obj, depsgraph):
 
 
 class Stage:
-    """Source and target as one view shows them now; made anew for every look."""
+    """Source and target as one view shows them now; made anew for every look.
 
-    def __init__(self, scene, depsgraph, view, space):
+    ``begun``: the core.picking.Picking whose half of a pair is shown with the marks of the scene, or None.
+    """
+
+    def __init__(self, scene, depsgraph, view, space, begun=None):
         settings = scene.lissom_transfer
-        self._scene, self._view = scene, view
+        self._scene, self._view, self._begun = scene, view, begun
         self._sight = Sight(scene, depsgraph, space)
         self._ends = {side: getattr(settings, side) for side in SIDES}
         self._ends = {side: obj for side, obj in self._ends.items() if obj and self._sight.shows(obj)}
@@ -117,7 +120,7 @@ class Stage:
         return seen, sides[0] if sides and seen.front and seen.itself else None
 
     def _placed(self):
-        places = [(mark, self._place(mark)) for mark in marks_of(self._scene)]
+        places = [(mark, self._place(mark)) for mark in marks_of(self._scene, self._begun)]
         places = [(mark, place) for mark, place in places if place is not None]
         if not places:
             return []

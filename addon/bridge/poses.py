@@ -1,44 +1,13 @@
-"""Between a bound mesh object, with its handles' Empties, and the native pose that is kept in the session."""
+"""A bound mesh object: what its settings ask for, and where its handles' Empties are."""
 
 import bpy
 import numpy as np
 
-from .. import session
 from ..core import pose as core_pose
 from ..core import space, turns
-from ..core.pose import check_groups
 from ..core.pose_options import Asked, options_of
 from ..core.refused import Refused, first
-from . import company, empties, groups, meshes, mirrors, shape_keys, standing
-
-
-def bind_work(obj, linear, asked, skin=None):
-    """Work whose result is a BoundPose of the object as its Skin shows it, by its settings' vertex groups."""
-    settings = obj.lissom_pose
-    names = [handle.name for handle in settings.handles]
-    found = groups.weighted_members(obj, [*names, settings.roi])
-    on_others, others = company.members(obj, [*names, settings.roi])
-    for name, (indices, weights) in on_others.items():
-        if indices and name in found:
-            found[name] = tuple(map(np.concatenate, ([found[name][0], *indices], [found[name][1], *weights])))
-    members = {name: indices for name, (indices, _) in found.items()}
-    check_groups(members, names, settings.roi)
-    region = members.get(settings.roi)
-    return core_pose.bind_work(
-        space.into(linear, _stood(obj, skin)),
-        space.outward(linear, meshes.triangles(obj.data)),
-        meshes.corners(obj.data),
-        [members[name] for name in names],
-        [found[name][1] for name in names],
-        None if region is None else np.union1d(region, others),
-        asked,
-        mirrors.of(obj, linear, asked.symmetry),
-        company.of(obj, linear),
-    )
-
-
-def _stood(obj, skin):
-    return meshes.rest_positions(obj.data) if skin is None else skin.shown
+from . import company, empties, mirrors, shape_keys, standing
 
 
 def asked(settings):
@@ -59,45 +28,6 @@ def keep(settings, asked):
         setattr(getattr(settings.options, owner), name, asked.options[name])
 
 
-def current(obj):
-    """The bound pose of the object: the one in memory while it holds, else made anew.
-
-    That happens after loading a file, or where rest shape, mirrors, method or options were changed. New
-    faces need a new Bind (row 26).
-    """
-    settings = obj.lissom_pose
-    if not settings.bound:
-        raise Refused(f"'{obj.name}' is not bound: press Bind first")
-    reason = foreign_handles(obj)
-    if reason:
-        raise Refused(reason)
-    if obj.name in session.rebinding:
-        raise Refused(f"'{obj.name}' is still being bound anew: wait a moment")
-    linear = linear_part(obj)
-    if settings.stood and standing.has_moved(obj):
-        raise Refused(
-            f"What moves '{obj.name}' stands elsewhere than at Bind: put it back, or press Unbind, then Bind"
-        )
-    known = session.poses.get(obj.session_uid)
-    if known is not None:
-        rest = space.into(linear, _stood(obj, standing.of(obj, preview(obj))))
-        wanted = asked(settings)
-        mirrored = mirrors.of(obj, linear, wanted.symmetry)
-        if known.fits(rest, meshes.corners(obj.data), wanted, mirrored, company.of(obj, linear)):
-            return known
-    made = session.poses[obj.session_uid] = bind_again(obj).wait()
-    made.forget()
-    return made
-
-
-def bind_again(obj):
-    """Work whose result is the BoundPose of an object that is bound, by its settings of now (row 26)."""
-    if meshes.signature(obj.data) != obj.lissom_pose.topology:
-        raise Refused(f"The mesh of '{obj.name}' was remodelled since Bind: press Unbind, then Bind")
-    skin = standing.of(obj, preview(obj))
-    return bind_work(obj, linear_part(obj), asked(obj.lissom_pose), skin)
-
-
 def linear_part(obj):
     """The (3, 3) part of the object's matrix that was applied at Bind."""
     return np.array(obj.lissom_pose.linear, dtype=np.float64).reshape(3, 3)
@@ -116,14 +46,7 @@ def rescaled(obj):
 
 def preview(obj):
     """The shape key that shows the live pose."""
-    keys = obj.data.shape_keys
-    key = keys.key_blocks.get(obj.lissom_pose.preview) if keys else None
-    if key is None:
-        raise Refused(
-            f"Shape key '{obj.lissom_pose.preview}', which shows the pose, was removed or renamed: "
-            "press Unbind, then Bind"
-        )
-    return key
+    return shape_keys.preview(obj, obj.lissom_pose.preview)
 
 
 def left_out(obj):
@@ -221,37 +144,9 @@ def motion(obj, tracker=None):
     return core_pose.Motion(transforms, (tracker or turns.Tracker()).turns(transforms, told), by_itself)
 
 
-def key_shape(obj, vertices):
-    """(n, 3): the shape key that shows (n, 3) solved positions, through the Skin where the object has one."""
-    shape = space.back(linear_part(obj), vertices[: len(obj.data.vertices)])
-    skin = standing.of(obj, preview(obj))
-    return shape if skin is None else skin.key(shape)
-
-
-def key_shapes(obj, vertices):
-    """[(object, its key that shows the pose, (n, 3) shape)] of a solve: the bound object and its company."""
-    others = company.shapes(obj, linear_part(obj), vertices)
-    return [(obj, preview(obj), key_shape(obj, vertices)), *others]
-
-
-def show(obj, vertices):
-    """Writes solved positions to the keys that show the pose."""
-    for _, key, shape in key_shapes(obj, vertices):
-        shape_keys.write_points(key, shape)
-
-
 def place_at_rest(obj):
     """Puts every handle's Empty back where it was at Bind."""
     space.linear_part(obj.matrix_world, obj.name)  # else Blender would misplace them for good
     for handle in obj.lissom_pose.handles:
         if owns(obj, handle):
             empties.place(obj, handle.empty, np.array(handle.rest).reshape(4, 4))
-
-
-def reset(obj):
-    """Handles and preview at rest."""
-    place_at_rest(obj)
-    shape_keys.write_points(preview(obj), meshes.rest_positions(obj.data))
-    company.put_to_rest(obj)
-    if obj.session_uid in session.poses:
-        session.poses[obj.session_uid].put_to_rest()

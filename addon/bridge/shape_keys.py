@@ -38,8 +38,21 @@ def key_names(obj):
 def previews(mesh):
     """Names of the shape keys that show the live pose of a bound object with this mesh."""
     bound = [obj for obj in bpy.data.objects if obj.lissom_pose.bound]
-    others = {row.preview for obj in bound for row in obj.lissom_pose.company if row.object.data == mesh}
+    rows = [row for obj in bound for row in obj.lissom_pose.company if row.object is not None]
+    others = {row.preview for row in rows if row.object.data == mesh}
     return {obj.lissom_pose.preview for obj in bound if obj.data == mesh} | others
+
+
+def preview(obj, name):
+    """The shape key of that name, which shows a live pose; Refused where it is gone."""
+    keys = obj.data.shape_keys
+    key = keys.key_blocks.get(name) if keys else None
+    if key is None:
+        raise Refused(
+            f"Shape key '{name}' of '{obj.name}', which shows the live pose, was removed or renamed: press "
+            "Unbind, then Bind"
+        )
+    return key
 
 
 def refuse_preview(key):

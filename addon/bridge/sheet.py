@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 from mathutils import Euler
 
+from ..core.files import image_format
 from ..core.refused import Refused
 
 WIDTH = 1600  # pixels
@@ -19,15 +20,6 @@ MARGIN = 0.12  # around the largest shape, as a part of it
 CAPTION = 0.055  # height of a line, as a part of a tile's
 PAPER, INK, CLAY = (0.90, 0.90, 0.885), (0.012, 0.014, 0.018), (0.07, 0.27, 0.31)
 SUNS = ((2.6, (52, 0, 38)), (1.0, (65, 0, -55)), (0.5, (120, 0, 10)))  # strength, Euler angles in degrees
-FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
-
-
-def image_format(path):
-    """Blender's name of the format that the suffix asks for; Refused for others."""
-    suffix = pathlib.Path(path).suffix.lower()
-    if suffix not in FORMATS:
-        raise Refused(f"'{path}' is no name for a picture: end it in .png or .jpg")
-    return FORMATS[suffix]
 
 
 def render(obj, rows, path, turn=30.0, tilt=10.0, width=WIDTH):

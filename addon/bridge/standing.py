@@ -5,7 +5,6 @@ import contextlib
 import bpy
 import numpy as np
 
-from .. import session
 from ..core import space
 from ..core.skin import Skin
 from . import checks, meshes, shape_keys
@@ -89,7 +88,7 @@ def read(obj, preview=None):
             shape_keys.write_points(key, before)
         obj.show_only_shape_key = pinned
         bpy.context.view_layer.update()
-    hopeless = 2 * len(skin.flat()) > len(rest)  # as what plays a cache: it does not heed keys
+    hopeless = 2 * len(skin.flat) > len(rest)  # as what plays a cache: it does not heed keys
     return None if hopeless or skin.is_trivial(SAME * extent) else skin
 
 
@@ -115,17 +114,6 @@ def shown(obj):
         return meshes.positions(evaluated(obj).data.vertices)
 
 
-def of(obj, preview):
-    """The Skin that a bound object was bound with, or None; read anew after a file was loaded, or the rest
-    shape was changed."""
-    if not obj.lissom_pose.stood:
-        return None
-    known = session.skins.get(obj.session_uid)
-    if known is None or not np.array_equal(known.rest, meshes.rest_positions(obj.data)):
-        known = session.skins[obj.session_uid] = read(obj, preview)
-    return known
-
-
 def stance(obj):
     """Numbers that are others once what deforms an object has moved: bones, and the objects of modifiers."""
     found = []
@@ -137,13 +125,3 @@ def stance(obj):
         if other.type == "ARMATURE" and other.data.pose_position == "POSE":
             found += [np.array(bone.matrix_channel).ravel() for bone in other.pose.bones]
     return np.concatenate(found) if found else np.zeros(0)
-
-
-def has_moved(obj):
-    """Whether a bound object's bones or the objects of its modifiers stand elsewhere than at Bind."""
-    known = session.stances.get(obj.session_uid)
-    if known is None:
-        session.stances[obj.session_uid] = stance(obj)
-        return False
-    now = stance(obj)
-    return len(now) != len(known) or not np.allclose(now, known, atol=1e-4)

@@ -8,18 +8,9 @@ known again by its shape.
 
 import numpy as np
 
-from .. import session
 from ..core import corrections
 from . import shape_keys
 from .meshes import signature
-
-
-def is_edited(obj, name):
-    """Whether a key was edited since a transfer wrote it; remembered until some mesh changes."""
-    known = session.edited.setdefault(obj.session_uid, {})
-    if name not in known:
-        known[name] = Written(obj).state(name) == "EDITED"
-    return known[name]
 
 
 class Written:

@@ -9,9 +9,9 @@ import lissom
 from lissom import names
 
 from ..core.files import write_json
+from ..core.names import EXISTS_ITEMS
 from ..core.refused import Refused
 from ..jobs.face import FaceAsked, FaceKeys
-from ..properties.transfer import EXISTS_ITEMS
 from . import outputs
 
 SUMMARY = "give a head the shape keys of a whole face, found by its shape alone"
@@ -63,10 +63,5 @@ def run(arguments):
     except (Refused, lissom.Error, RuntimeError, OSError) as error:
         print(f"Error: {str(error).removeprefix('Error: ').strip()}")
         return BAD_INPUT
-    for warning in done.warnings:
-        print(f"Warning: {warning}")
-    for row in done.quality:
-        if row["verdict"] != "good":
-            print(f"{row['name']}: {row['verdict']}: {', '.join(row['reasons'])}")
-    print(done.summary)
+    outputs.say(done)
     return DONE

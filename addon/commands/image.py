@@ -3,10 +3,12 @@
 import pathlib
 
 import bpy
+import lissom
 
+from ..core.image import LABELS
 from ..core.options import argument
 from ..core.refused import Refused
-from ..properties.image import LABELS
+from ..jobs.image import ImageAsked, ImageMesh, lay_second
 from . import outputs
 
 SUMMARY = "make a flat mesh of an image, or lay a second image under the end of its arc"
@@ -39,14 +41,17 @@ def run(arguments):
         image = str(pathlib.Path(arguments.image or arguments.second).resolve())
         if arguments.image:
             asked = {name: getattr(arguments, name) for name in LABELS}
-            bpy.ops.lissom.inbetween_image(filepath=image, height=arguments.height, **asked)
+            job = ImageMesh(bpy.context, ImageAsked(filepath=image, height=arguments.height, **asked))
+            done = job.write(bpy.context, job.work.wait())
         else:
-            asked = {"object": arguments.object, "slider": arguments.slider}
-            bpy.ops.lissom.inbetween_second_image(filepath=image, **asked)
+            done = lay_second(bpy.context, arguments.object, arguments.slider, filepath=image)
         outputs.save(arguments.out)
-    except (Refused, RuntimeError) as error:
+    except lissom.Cancelled:
+        raise
+    except (Refused, lissom.Error, RuntimeError) as error:
         print(f"Error: {str(error).removeprefix('Error: ').strip()}")
         return BAD_INPUT
+    outputs.say(done)
     return DONE
 
 

@@ -1,4 +1,4 @@
-"""``blender --command lissom inbetween``: bakes arcs in a file, by the operator of the panel."""
+"""``blender --command lissom inbetween``: bakes arcs in a file, as the panel does."""
 
 import pathlib
 import time
@@ -6,13 +6,13 @@ import time
 import bpy
 import lissom
 
-from ..bridge import arcs, checks, sheet
 from ..core.easing import EASINGS
-from ..core.files import write_json
-from ..core.inbetween import MAX_COUNT
+from ..core.files import image_format, write_json
+from ..core.inbetween import MAX_COUNT, PLAYBACK_ITEMS, ArcAsked
 from ..core.options import argument
 from ..core.refused import Refused
-from ..properties.inbetween import PLAYBACK_ITEMS
+from ..jobs.arcs import arc_object, draw_sheet
+from ..jobs.bake import Bake
 from . import outputs
 
 SUMMARY = "bake the arc between two shape keys as keys under one slider"
@@ -49,7 +49,7 @@ def run(arguments):
     try:
         source = _checked(arguments)
         bpy.ops.wm.open_mainfile(filepath=str(source), load_ui=False)
-        obj = checks.mesh_object(arguments.object, bpy.context)
+        obj = arc_object(bpy.context, arguments.object)
     except (Refused, RuntimeError) as error:
         return _failed(str(error))
     baked = [_bake(obj, end, arguments) for end in arguments.end]
@@ -58,7 +58,8 @@ def run(arguments):
         if done:
             outputs.save(arguments.out)
             if arguments.sheet:
-                _draw(obj, [entry["slider"] for entry in done], arguments)
+                names = [entry["slider"] for entry in done]
+                draw_sheet(obj, names, arguments.sheet, arguments.steps, arguments.turn)
         if arguments.report:
             report = {"file": str(source), "object": obj.name, "arcs": baked}
             write_json(arguments.report, report)
@@ -73,7 +74,7 @@ def run(arguments):
 def _checked(arguments):
     outputs.check(arguments, ("file",), ("out", "sheet", "report"))
     if arguments.sheet:
-        sheet.image_format(arguments.sheet)
+        image_format(arguments.sheet)
     if not 2 <= arguments.steps <= 50:
         raise Refused("--steps: choose 2 to 50 tiles")
     if arguments.count is not None and not 1 <= arguments.count <= MAX_COUNT:
@@ -105,31 +106,21 @@ def _bake(obj, end, arguments):
         settings["count"] = arguments.count
     started = time.perf_counter()
     try:
-        if bpy.ops.lissom.inbetween_bake(object=obj.name, **settings) != {"FINISHED"}:
-            raise lissom.Cancelled(f"'{end}': cancelled")
-    except RuntimeError as error:  # a report of the operator
+        bake = Bake(bpy.context, ArcAsked(object=obj.name, **settings))
+        done = bake.write(bpy.context, bake.work.wait())
+    except lissom.Cancelled:
+        raise
+    except (Refused, lissom.Error) as error:
         _failed(f"'{end}': {error}")
-        return settings | {"error": str(error).removeprefix("Error: ").strip()}
-    arc = obj.lissom_inbetween.arcs[-1]
-    print(f"'{end}': {len(arc.keys)} shape keys under the slider '{arc.name}'")
+        return settings | {"error": str(error)}
+    outputs.say_warnings(done.warnings)
+    print(f"'{end}': {done.summary}")
     return settings | {
-        "slider": arc.name,
-        "keys": [{"name": key.name, "time": round(key.time, 6)} for key in arc.keys],
-        "warnings": arc.warnings.splitlines(),
+        "slider": done.slider,
+        "keys": [{"name": name, "time": at} for name, at in done.keys],
+        "warnings": done.warnings,
         "seconds": round(time.perf_counter() - started, 3),
     }
-
-
-def _draw(obj, sliders, arguments):
-    times = [step / (arguments.steps - 1) for step in range(arguments.steps)]
-    rows = []
-    for slider in sliders:
-        shapes = arcs.played(obj, slider, times)
-        lines = [(1 - t) * shapes[0] + t * shapes[-1] for t in times]
-        for label, row in ((slider, shapes), ("straight", lines)):
-            tiles = [(f"{100 * t:.0f} %", shape) for t, shape in zip(times, row, strict=True)]
-            rows.append((label, tiles))
-    sheet.render(obj, rows, arguments.sheet, turn=arguments.turn)
 
 
 def _failed(message):

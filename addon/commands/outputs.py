@@ -1,4 +1,4 @@
-"""The files of a command: those it reads are there, and those it writes are none of them, nor each other."""
+"""What a command says, and its files: those it writes are none of those it reads, nor each other."""
 
 import os
 import pathlib
@@ -40,6 +40,26 @@ def save(path):
     bpy.ops.wm.save_as_mainfile(filepath=str(place), copy=True)
     if mode is not None:
         place.chmod(mode)
+
+
+def say_warnings(warnings):
+    """Prints them, one a line."""
+    for warning in warnings:
+        print(f"Warning: {warning}")
+
+
+def say_quality(rows):
+    """Prints of rows of core.quality.as_dict those that are not good, and why."""
+    for row in rows:
+        if row["verdict"] != "good":
+            print(f"{row['name']}: {row['verdict']}: {', '.join(row['reasons'])}")
+
+
+def say(done):
+    """Prints what a jobs.Done has to say."""
+    say_warnings(done.warnings)
+    say_quality(getattr(done, "quality", ()))
+    print(done.summary)
 
 
 def _flag(name):

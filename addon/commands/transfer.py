@@ -7,15 +7,15 @@ from dataclasses import asdict
 import bpy
 import lissom
 
-from ..bridge import checks
 from ..core import bake
 from ..core.files import write_json
+from ..core.names import EXISTS_ITEMS
 from ..core.options import argument
 from ..core.refused import Refused
+from ..jobs.brought import Brought, mesh_objects
 from ..jobs.fit import key_names
 from ..jobs.transfer_keys import KeysAsked, TransferKeys
 from ..jobs.transfer_pose import AnimationAsked, PoseAsked, TransferAnimation, TransferPose
-from ..properties.transfer import EXISTS_ITEMS
 from . import outputs
 
 SUMMARY = "carry shape keys, a pose or animation of one mesh over to another of different topology"
@@ -72,15 +72,16 @@ def run(arguments):
         _check(arguments)
         bpy.ops.wm.open_mainfile(filepath=_absolute(arguments.file), load_ui=False)
         arguments.target = list(dict.fromkeys(arguments.target))
-        targets = [checks.mesh_object(name, bpy.context) for name in arguments.target]
-        sources, brought = _sources(arguments)
+        targets = mesh_objects(bpy.context, arguments.target)
+        brought = Brought(bpy.context, arguments.source, _source_file(arguments))
+        sources = brought.objects
         transfer = next((run for name, run in INSTEAD.items() if getattr(arguments, name)), _transfer_keys)
         report = {"source": [source.name for source in sources], "target": arguments.target, "errors": []}
         done, what = transfer(arguments, sources, _common(arguments, sources))
         report |= what
         report |= {"fit": done.fit.fit.report, "doubtful_markers": done.doubtful_markers}
         report["seconds"] = round(time.perf_counter() - started, 3)
-        report["errors"] += _send_back(brought, targets)
+        report["errors"] += brought.send_back(targets)
         outputs.save(arguments.out)
         if arguments.report:
             write_json(arguments.report, report)
@@ -89,9 +90,7 @@ def run(arguments):
         return BAD_INPUT
     for error in report["errors"]:
         print(f"Error: {error}")
-    for row in report.get("quality", ()):
-        if row["verdict"] != "good":
-            print(f"{row['name']}: {row['verdict']}: {', '.join(row['reasons'])}")
+    outputs.say_quality(report.get("quality", ()))
     print(f"{_done(report)} on {', '.join(repr(target.name) for target in targets)}")
     return PARTLY_DONE if report["errors"] else DONE
 
@@ -116,8 +115,7 @@ def _common(arguments, sources):
 
 def _run(job):
     done = job.write(bpy.context, job.work.wait())
-    for warning in done.warnings:
-        print(f"Warning: {warning}")
+    outputs.say_warnings(done.warnings)
     return done
 
 
@@ -190,44 +188,14 @@ def _check(arguments):
         raise Refused("--tightness: choose a number from 1 to 1000000")
 
 
+def _source_file(arguments):
+    """The path of the source's file, "" where that is the target's."""
+    path = arguments.source_file
+    return "" if not path or _absolute(path) == _absolute(arguments.file) else _absolute(path)
+
+
 def _absolute(path):
     return str(pathlib.Path(path).resolve())
-
-
-def _sources(arguments):
-    """The source objects, and all that was brought in with them from another file."""
-    if not arguments.source_file or _absolute(arguments.source_file) == _absolute(arguments.file):
-        return [checks.mesh_object(name, bpy.context) for name in arguments.source], set()
-    before = set(bpy.data.user_map())
-    with bpy.data.libraries.load(_absolute(arguments.source_file), link=False) as (there, here):
-        missing = [name for name in arguments.source if name not in there.objects]
-        if missing:
-            raise Refused(f"There is no object named '{missing[0]}' in '{arguments.source_file}'")
-        here.objects = list(dict.fromkeys(arguments.source))
-    sources, brought = list(here.objects), set(bpy.data.user_map()) - before
-    for block in brought:
-        if isinstance(block, bpy.types.Object):  # parents and rigs say where a source is
-            block.hide_viewport = False
-            if block.name not in bpy.context.scene.collection.all_objects:
-                bpy.context.scene.collection.objects.link(block)
-    bpy.context.view_layer.update()
-    return [checks.require_mesh(source) for source in sources], brought
-
-
-def _send_back(brought, targets):
-    """Removes what was brought in; returns errors for the drivers that would go on reading it."""
-    errors = []
-    for keys in filter(None, (target.data.shape_keys for target in targets)) if brought else ():
-        for curve in list(keys.animation_data.drivers) if keys.animation_data else ():
-            read = [goal.id for variable in curve.driver.variables for goal in variable.targets]
-            lost = [block for block in read if block in brought]
-            if lost:
-                errors.append(
-                    f"The driver of {curve.data_path} reads '{lost[0].name}' of the source's file: left out"
-                )
-                keys.animation_data.drivers.remove(curve)
-    bpy.data.batch_remove(brought)
-    return errors
 
 
 def _are_frames(frames):

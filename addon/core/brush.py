@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from .turns import nearest_rotations
+
 
 def touched(points, edges, vertex, radius):
     """(k,) indices, sorted, and (k,) weights of the vertices that are joined to one within a radius of it.
@@ -31,9 +33,7 @@ def rigid(rest, posed):
     Horn 1987, by the singular value decomposition of Arun, Huang & Blostein 1987.
     """
     centre, new = rest.mean(axis=0), posed.mean(axis=0)
-    left, _, right = np.linalg.svd((posed - new).T @ (rest - centre))
-    left[:, 2] *= np.linalg.det(left @ right)
     matrix = np.eye(4)
-    matrix[:3, :3] = left @ right
+    matrix[:3, :3] = nearest_rotations((posed - new).T @ (rest - centre))
     matrix[:3, 3] = new - matrix[:3, :3] @ centre
     return matrix

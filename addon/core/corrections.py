@@ -4,6 +4,8 @@ import zlib
 
 import numpy as np
 
+from .turns import nearest_rotations
+
 # Rounding that a key may go through without being edited: written, shifted along with its Basis, read.
 NOISE = 8 * float(np.finfo(np.float32).eps)  # of the largest coordinate
 ALIKE = 0.5  # of a key's own size: another within it is the same one under another name
@@ -47,8 +49,6 @@ def turned(correction, before, after, triangles):
     old, new = (shape[ends[:, 1]] - shape[ends[:, 0]] for shape in (before, after))
     covariance = np.zeros((len(moved), 3, 3))
     np.add.at(covariance, place[ends[:, 0]], new[:, :, None] * old[:, None, :])
-    left, _, right = np.linalg.svd(covariance)
-    left[:, :, 2] *= np.linalg.det(left @ right)[:, None]
     result = np.zeros_like(correction)
-    result[moved] = np.einsum("nij,nj->ni", left @ right, correction[moved])
+    result[moved] = np.einsum("nij,nj->ni", nearest_rotations(covariance), correction[moved])
     return result

@@ -74,11 +74,11 @@ def face_work(head, parts, kind, strength=1.0, contact=True):
         loose = face_parts.parts(len(head[0]), head[1])[1:]
         body = np.setdiff1d(np.arange(len(head[0])), np.concatenate([*loose, np.zeros(0, dtype=int)]))
         known = _Known(face, fit, kind, strength, head[0][body], moved[:, body])
-        own = [known.move(head[0], [piece]) for piece in loose]
-        for (offsets_of, (what,)), piece in zip(own, loose, strict=True):
-            if what != "RIDE":  # what rides the transfer has carried over
-                moved[:, piece] = offsets_of[:, piece]
-        told, kinds = [], [[what for _, (what,) in own]]
+        own, whats = known.move(head[0], loose, ride=False)  # what rides the transfer has carried over
+        for what, piece in zip(whats, loose, strict=True):
+            if what != "RIDE":
+                moved[:, piece] = own[:, piece]
+        told, kinds = [], [whats]
         for vertices, triangles in parts:
             offsets_of, whats = known.move(vertices, face_parts.parts(len(vertices), triangles))
             told.append(offsets_of)
@@ -110,13 +110,16 @@ class _Known:
         corners = fit.rest[face.landmarks[CORNERS]]
         self._mouth = Mouth(corners.mean(axis=0), float(np.linalg.norm(corners[1] - corners[0])))
 
-    def move(self, vertices, pieces):
-        """Offsets (k, n, 3) of ``vertices`` (n, 3), and the kind of each of ``pieces``, lists of them."""
+    def move(self, vertices, pieces, ride=True):
+        """Offsets (k, n, 3) of ``vertices`` (n, 3), and the kind of each of ``pieces``, lists of them.
+
+        Without ``ride`` those that ride have none.
+        """
         offsets, kinds = np.zeros((len(self._moved), *vertices.shape)), []
         local = self._frame.back(vertices)
         for piece in pieces:
             kinds.append(face_parts.kind(local[piece], self._mouth))
-            if kinds[-1] == "RIDE":
+            if kinds[-1] == "RIDE" and ride:
                 near, weights = face_parts.bonds(vertices[piece], self._head)
                 for row, moved in zip(offsets, self._moved, strict=True):
                     row[piece] = np.einsum("nk,nkd->nd", weights, moved[near])

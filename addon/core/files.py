@@ -1,13 +1,18 @@
-"""Files that appear whole or not at all."""
+"""Files that appear whole or not at all, and what kind of picture one is."""
 
 import contextlib
 import errno
 import json
 import math
 import os
+import pathlib
 import stat
 import tempfile
 from collections.abc import Mapping
+
+from .refused import Refused
+
+FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
 
 
 @contextlib.contextmanager
@@ -71,3 +76,11 @@ def _known_to_json(value):
     if isinstance(value, list | tuple):
         return [_known_to_json(item) for item in value]
     return value
+
+
+def image_format(path):
+    """Blender's name of the format that the suffix asks for; Refused for others."""
+    suffix = pathlib.Path(path).suffix.lower()
+    if suffix not in FORMATS:
+        raise Refused(f"'{path}' is no name for a picture: end it in .png or .jpg")
+    return FORMATS[suffix]

@@ -7,16 +7,28 @@ import lissom
 import numpy as np
 
 from . import hat, mirrors
+from .asked import Asked
 from .refused import Refused
 
 MAX_COUNT = 100  # in-betweens
+# A file stores the place in this list: only append.
+PLAYBACK_ITEMS = [
+    ("RELATIVE", "Relative Keys", "The slider drives the baked keys; other keys add to them", 0),
+    (
+        "ABSOLUTE",
+        "Absolute Keys",
+        "The slider drives the evaluation time of absolute shape keys; other keys do not play meanwhile",
+        1,
+    ),
+]
 OPTIONS = ("rotation", "stretch", "refinement", "preserve_volume")
 
 
 @dataclass
-class Asked:
+class ArcAsked(Asked):
     """Everything that the artist chooses about an arc."""
 
+    object: str = ""  # its name; "" is the active one
     start: str = ""  # shape keys; "" is the reference key
     end: str = ""
     slider: str = ""

@@ -2,6 +2,12 @@
 
 MAX_BYTES = 63  # a shape key's name is a char[64] with its terminator, counted in bytes of UTF-8
 
+EXISTS_ITEMS = [
+    ("UPDATE", "Update", "Write over what has the same name"),
+    ("SKIP", "Skip", "Leave what has the same name as it is"),
+    ("RENAME", "Rename", "Keep what has the same name and number the new one"),
+]
+
 
 def shorten(name, suffix=""):
     """``name + suffix`` within Blender's limit; only the name is cut, and never inside a character."""

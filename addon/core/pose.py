@@ -17,6 +17,9 @@ STILL = 2e-6
 # A handle that has turned this far since the last solve is not where that left the mesh.
 TURNED = np.pi / 2
 
+# So many vertices tell whether the rest shape has moved, and how.
+PROBES = 8
+
 # A method takes two small steps in a row for convergence: with fewer in one go it would never find any.
 FEWEST_ITERATIONS = 4
 
@@ -179,10 +182,11 @@ class BoundPose:
             return np.zeros(self._handles, dtype=bool)
         return np.linalg.norm(self._motion.turns, axis=1) > np.pi
 
-    def fits(self, vertices, corners, asked, mirrors, company=ALONE):
-        """True while meshes, mirrors, method and options are the ones this pose was made for."""
+    def fits(self, vertices, corners, handles, asked, mirrors, company=ALONE):
+        """True while meshes, the number of handles, mirrors, method and options are those it was made for."""
         return (
-            asked == self.asked
+            handles == self._handles
+            and asked == self.asked
             and mirrors == self.mirrors
             and _same(company, self.company)
             and np.array_equal(corners, self.corners)

@@ -11,10 +11,12 @@ import numpy as np
 from bpy.app.handlers import persistent
 from gpu_extras.batch import batch_for_shader
 
-from .. import preferences
+from .. import changes, preferences
 from ..bridge import arcs, checks
 from ..bridge.screen import redraw_sidebars, redraw_views
+from ..core.inbetween import ArcAsked
 from ..core.refused import Refused
+from .handler import Drawn
 
 STEPS = 5
 LARGE, STEPS_LARGE = 200_000, 1  # from so many vertices on, the middle alone
@@ -23,7 +25,6 @@ POLL_SECONDS = 0.05
 LIGHT = np.array([0.35, -0.70, 0.62])
 
 _ghosts = {}  # session_uid of a mesh object -> Ghost
-_handle = None
 
 
 class Ghost:
@@ -44,7 +45,7 @@ class Ghost:
         if not obj.lissom_inbetween.end:
             raise Refused("Choose the shape key that the arc leads to")
         steps = STEPS if count < LARGE else STEPS_LARGE
-        asked = arcs.asked_of(obj.lissom_inbetween, sampling="COUNT", count=steps)
+        asked = ArcAsked.of(obj.lissom_inbetween, sampling="COUNT", count=steps)
         self._ends = arcs.Ends(obj, asked)
         self._work = self._ends.path(asked)
 
@@ -103,9 +104,11 @@ class Ghost:
 
 def ask(obj):
     """Has the ghost of a mesh object computed anew, or forgotten where it is off."""
-    drop(obj)
     if not obj.lissom_inbetween.ghost:
+        if of(obj) is not None:
+            drop(obj)
         return
+    drop(obj)
     ghost = _ghosts[obj.session_uid] = Ghost(obj)
     if bpy.app.background:  # timers do not run
         ghost.wait()
@@ -175,6 +178,9 @@ def _draw():
         gpu.state.blend_set("NONE")
 
 
+_drawn = Drawn(_draw, "POST_VIEW")
+
+
 @persistent
 def _on_load(*_):
     for ghost in _ghosts.values():
@@ -183,16 +189,15 @@ def _on_load(*_):
 
 
 def register():
-    global _handle
-    _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
+    _drawn.register()
     bpy.app.handlers.load_pre.append(_on_load)
+    changes.arc_choice.append(ask)
 
 
 def unregister():
-    global _handle
     bpy.app.handlers.load_pre.remove(_on_load)
+    changes.arc_choice.remove(ask)
     if bpy.app.timers.is_registered(_poll):
         bpy.app.timers.unregister(_poll)
-    bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
-    _handle = None
+    _drawn.unregister()
     _on_load()

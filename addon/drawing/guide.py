@@ -9,13 +9,12 @@ from .. import session
 from ..bridge import picking
 from ..core.landmarks import SETS, picture
 from ..translations import translated
+from .handler import Drawn
 from .shapes import box, line, ring
 
 SIZE, MARGIN, BORDER, TEXT = 170, 24, 14, 13  # pixels
 GROUND, LINES = (0.06, 0.06, 0.06, 0.75), (0.62, 0.62, 0.62, 1.0)
 DONE, OPEN, WANTED = (0.35, 0.75, 0.40, 1.0), (0.62, 0.62, 0.62, 1.0), (1.0, 0.62, 0.12, 1.0)
-
-_handle = None
 
 
 def _draw():
@@ -46,12 +45,5 @@ def _draw():
     gpu.state.blend_set("NONE")
 
 
-def register():
-    global _handle
-    _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_PIXEL")
-
-
-def unregister():
-    global _handle
-    bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
-    _handle = None
+_drawn = Drawn(_draw, "POST_PIXEL")
+register, unregister = _drawn.register, _drawn.unregister

@@ -11,13 +11,12 @@ import gpu
 from .. import preferences, session
 from ..bridge import picking
 from ..core.marker_places import colour
+from .handler import Drawn
 from .shapes import ring
 
 RIM = 1.5  # pixels
 RING = 3.0  # pixels, between a mark and the ring around what a click would take
 GUESSED = (0.6, 0.6, 0.6)
-
-_handle = None
 
 
 class Dot(NamedTuple):
@@ -35,7 +34,8 @@ def shown(context):
     if not (session.picking or settings.show_markers) or None in (settings.source, settings.target):
         return []
     view = picking.view_of(context.region, context.region_data)
-    stage = picking.Stage(context.scene, context.view_layer.depsgraph, view, context.space_data)
+    graph = context.view_layer.depsgraph
+    stage = picking.Stage(context.scene, graph, view, context.space_data, session.picking)
     marks = stage.marks(behind=not context.screen.is_animation_playing)
     dots = [Dot(mark.index, mark.number, spot, hidden) for mark, spot, hidden in marks]
     return sorted(dots, key=lambda dot: not dot.hidden)
@@ -75,12 +75,5 @@ def _draw():
     gpu.state.blend_set("NONE")
 
 
-def register():
-    global _handle
-    _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_PIXEL")
-
-
-def unregister():
-    global _handle
-    bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
-    _handle = None
+_drawn = Drawn(_draw, "POST_PIXEL")
+register, unregister = _drawn.register, _drawn.unregister

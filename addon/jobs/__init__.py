@@ -6,25 +6,11 @@ found, writes it, and returns what was done. In between Blender may go on: a job
 finds its objects anew.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
-import numpy as np
+from ..core.asked import Asked
 
-
-class Asked:
-    """Mixin of dataclasses of what a job is asked for."""
-
-    def __post_init__(self):
-        for one in fields(self):  # as Blender's properties have them: the same result whoever asks
-            value = getattr(self, one.name)
-            if isinstance(value, float):
-                setattr(self, one.name, float(np.float32(value)))
-
-    @classmethod
-    def of(cls, settings, **also):
-        """As an operator or other settings have it, which may lack what has a default."""
-        known = {one.name: getattr(settings, one.name) for one in fields(cls) if hasattr(settings, one.name)}
-        return cls(**known | also)
+__all__ = ["Asked", "Done"]
 
 
 @dataclass(kw_only=True)
@@ -33,3 +19,8 @@ class Done:
 
     summary: str
     warnings: list[str]
+
+    @property
+    def kept(self):
+        """The warnings that a panel keeps until they are dealt with."""
+        return self.warnings

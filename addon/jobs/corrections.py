@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+from .. import session
 from ..bridge import shape_keys
 from ..bridge.written import Written
 from ..core import corrections
@@ -28,6 +29,14 @@ class Found:
         names = getattr(self, why).setdefault(obj.name, [])
         if name not in names:
             names.append(name)
+
+
+def is_edited(obj, name):
+    """Whether a key was edited since a transfer wrote it; remembered until some mesh changes."""
+    known = session.edited.setdefault(obj.session_uid, {})
+    if name not in known:
+        known[name] = Written(obj).state(name) == "EDITED"
+    return known[name]
 
 
 class Corrections:

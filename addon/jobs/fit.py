@@ -77,6 +77,12 @@ class FitDone(Done):
     fit: Memory
 
     @property
+    def kept(self):
+        """All but the faults of the fit, which the panel shows with their places."""
+        faults = {fault.line for fault in self.fit.faults}
+        return [line for line in self.warnings if line not in faults]
+
+    @property
     def doubtful_markers(self):
         """As they are written to a file."""
         return [

@@ -6,6 +6,7 @@ it alone is seen, at 1, and there is no value to give back. A muted key is heard
 
 import bpy
 
+from .. import session
 from ..bridge import checks, shape_keys
 from ..core.quality import badness
 from ..core.refused import Refused
@@ -129,3 +130,15 @@ def order(settings):
     """The places of the rows of the table in the order of the review: the worst first."""
     rows, by = settings.quality, settings.quality_order
     return sorted(range(len(rows)), key=lambda place: badness(rows[place], by), reverse=True)
+
+
+def show_row(scene):
+    """The key of the row that was clicked becomes the active one of the target, and is shown in a review."""
+    settings = scene.lissom_transfer
+    if session.review is not None:
+        session.review.show(settings)
+        return
+    row = settings.quality[settings.active_quality]
+    keys = settings.target.data.shape_keys if settings.target else None
+    if keys and row.name in keys.key_blocks:
+        settings.target.active_shape_key_index = keys.key_blocks.find(row.name)

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from .. import live
+from .. import session
 from ..bridge import checks, evaluated, playback, shape_keys
 from ..core import cache
 from ..core.refused import Refused, first
 from ..core.transfer import Keys, animation_steps, transfer_work
 from ..core.work import Work
+from . import bound
 from .corrections import Corrections, Found
 from .fit import FitDone, Request, TransferAsked, where
 from .transfer_keys import destinations, without_empty
@@ -59,7 +60,7 @@ class AnimationDone(FitDone):
 def _at_rest(context, asked):
     """The Request of meshes at rest, on objects where armatures at rest leave them; targets are writable."""
     context.view_layer.update()
-    with live.paused(), evaluated.at_rest():
+    with session.paused(), evaluated.at_rest():
         request = Request(context, asked)
     request.require_writable()
     return request
@@ -80,7 +81,7 @@ class TransferPose:
         self._plan = self._corrections.leave(request.target.objects(), self._plan)
         self._corrections.require_any(self._plan)
         rest = request.source.rest()
-        with live.paused():
+        with session.paused():
             self._shapes = Keys(rest, [(evaluated.now(request.source), rest)])
         self.work = transfer_work(*request.geometry(), request.fit(), self._shapes.shapes, asked.options)
 
@@ -170,8 +171,8 @@ class TransferAnimation:
             if scene is None or scene != bpy.context.scene:
                 raise Refused(f"Scene '{name}' is not shown any more: nothing was changed")
             frames = self._frames[start : start + BLOCK]
-            with live.paused():
-                shapes = evaluated.sample(scene, self._request.source, frames, live.update)
+            with session.paused():
+                shapes = evaluated.sample(scene, self._request.source, frames, bound.follow)
             yield shapes
 
     def _take(self, block):

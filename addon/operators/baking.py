@@ -41,8 +41,3 @@ class BakeProperties:
     def key_names(self, frames):
         """The name of the shape key of each frame."""
         return bake.key_names(self.name, frames)
-
-    def summary(self, where, frames):
-        """What was baked, in one line."""
-        what = "a point cache" if self.output == "CACHE" else f"{len(frames)} shape keys"
-        return f"{where} plays frames {frames[0]} to {frames[-1]} from {what}"

@@ -6,12 +6,11 @@ from bpy.props import BoolProperty, FloatProperty, StringProperty
 from ..bridge import source_face
 from ..core.refused import Refused
 from ..jobs.face import FaceAsked, FaceKeys
-from ..properties.transfer import edited_property, exists_property, face_names_property
-from .job import allowed, answering
-from .transfer_fit import TransferOperator
+from ..properties.transfer_options import edited_property, exists_property, face_names_property
+from .job import JobRunner, allowed, answering
 
 
-class LISSOM_OT_face_keys(TransferOperator, bpy.types.Operator):
+class LISSOM_OT_face_keys(JobRunner, bpy.types.Operator):
     """Give this head the shape keys of a whole face, found by its shape alone.
 
     It has to stand upright and look along -Y. Eyes, teeth and lashes, in the mesh or as objects, go along"""
@@ -38,7 +37,7 @@ class LISSOM_OT_face_keys(TransferOperator, bpy.types.Operator):
         default=True,
     )
 
-    job_class = FaceKeys
+    job_class, keeps = FaceKeys, "lissom_transfer"
 
     @classmethod
     def poll(cls, context):

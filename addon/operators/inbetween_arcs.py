@@ -3,49 +3,22 @@
 import bpy
 from bpy.props import StringProperty
 
-from ..bridge import arcs, checks
-from ..core.work import Work
-from ..translations import translated
-from .inbetween_bake import BakeOperator, arc_poll
-from .job import answering
-from .pose_handles import OBJECT
-
-SLIDER = {"name": "Slider", "description": "Name of the slider", "options": {"SKIP_SAVE"}}
+from ..jobs import arcs
+from ..jobs.bake import Bake, again
+from .arcs import ArcOperator
+from .job import JobRunner, answering
 
 
-class ArcOperator:
-    """Mixin: an operator on the arc of one slider."""
-
-    bl_options = {"REGISTER", "UNDO"}
-
-    object: StringProperty(**OBJECT)
-    slider: StringProperty(**SLIDER)
-
-    @classmethod
-    def poll(cls, context):
-        return arc_poll(cls, context)
-
-    def _object(self, context):
-        obj = checks.mesh_object(self.object, context)
-        arcs.require(obj)
-        return obj
-
-    def _warn(self, warnings):
-        for warning in warnings:
-            self.report({"WARNING"}, translated(warning))
-
-
-class LISSOM_OT_inbetween_rebake(ArcOperator, BakeOperator, bpy.types.Operator):
+class LISSOM_OT_inbetween_rebake(ArcOperator, JobRunner, bpy.types.Operator):
     """Bake an arc again with its own settings, after one of its ends has changed"""
 
     bl_idname = "lissom.inbetween_rebake"
     bl_label = "Bake Again"
 
-    def begin(self, context):
-        obj = self._object(context)
-        arc = arcs.find(obj, self.slider)
-        self._baking = arcs.Baking(obj, arcs.asked_of(arc, slider=self.slider, exists="UPDATE"))
-        return Work(self._baking.steps())
+    job_class = Bake
+
+    def asked(self, context):
+        return again(context, self.object, self.slider)
 
 
 class LISSOM_OT_inbetween_rename(ArcOperator, bpy.types.Operator):

@@ -3,32 +3,16 @@
 import bpy
 from bpy.props import BoolProperty, StringProperty
 
-from ..bridge import arcs, checks
-from ..core.work import Work
+from ..core.inbetween import ArcAsked
+from ..jobs.bake import Bake
 from ..properties.inbetween import ArcSettings, PathSettings
-from ..properties.transfer import exists_property
-from ..translations import translated
-from .job import JobOperator, allowed, shown_object
-from .pose_handles import OBJECT
+from ..properties.transfer_options import exists_property
+from .arcs import arc_poll
+from .job import JobRunner
+from .objects import OBJECT
 
 
-def arc_poll(operator_class, context):
-    """poll() of operators that write arcs."""
-    obj = shown_object(context)
-    return allowed(operator_class, "" if obj is None else arcs.refusal(obj))
-
-
-class BakeOperator(JobOperator):
-    """Mixin: writes what a bridge.arcs.Baking in ``self._baking`` has computed."""
-
-    def finish(self, context, result):
-        count, warnings = self._baking.write(result)
-        for warning in warnings:
-            self.report({"WARNING"}, translated(warning))
-        self.report({"INFO"}, translated(f"{count} shape keys under the slider '{self._baking.slider}'"))
-
-
-class LISSOM_OT_inbetween_bake(BakeOperator, PathSettings, ArcSettings, bpy.types.Operator):
+class LISSOM_OT_inbetween_bake(PathSettings, ArcSettings, JobRunner, bpy.types.Operator):
     """Bake the arc between two shape keys as shape keys under one slider"""
 
     bl_idname = "lissom.inbetween_bake"
@@ -53,14 +37,11 @@ class LISSOM_OT_inbetween_bake(BakeOperator, PathSettings, ArcSettings, bpy.type
         default=True,
     )
 
+    job_class, asked_class = Bake, ArcAsked
+
     @classmethod
     def poll(cls, context):
         return arc_poll(cls, context)
-
-    def begin(self, context):
-        obj = checks.mesh_object(self.object, context)
-        self._baking = arcs.Baking(obj, arcs.asked_of(self))
-        return Work(self._baking.steps())
 
 
 classes = (LISSOM_OT_inbetween_bake,)

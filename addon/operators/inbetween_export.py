@@ -5,7 +5,7 @@ from bpy.props import BoolProperty
 
 from ..bridge import exported
 from ..translations import translated
-from .inbetween_arcs import ArcOperator
+from .arcs import ArcOperator
 from .job import answering
 
 

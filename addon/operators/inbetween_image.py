@@ -1,17 +1,13 @@
 """Drawings: a flat mesh of an image, and a second image at the end of its arc."""
 
 import bpy
-import lissom
 from bpy.props import BoolProperty, FloatProperty, StringProperty
 
-from ..bridge import arcs, checks, images
-from ..core.refused import Refused
-from ..core.work import Work
-from ..properties.image import LABELS, ImageSettings
-from ..translations import translated
-from .inbetween_bake import arc_poll
-from .job import JobOperator, allowed, answering
-from .pose_handles import OBJECT
+from ..jobs.image import ImageAsked, ImageMesh, lay_second
+from ..properties.image import ImageSettings
+from .arcs import arc_poll
+from .job import JobRunner, allowed, answering, report_done
+from .objects import OBJECT
 
 _FILTER = {
     "name": "Filter",
@@ -40,7 +36,7 @@ class ImageFile:
         return super().invoke(context, event)
 
 
-class LISSOM_OT_inbetween_image(ImageFile, JobOperator, ImageSettings, bpy.types.Operator):
+class LISSOM_OT_inbetween_image(ImageFile, JobRunner, ImageSettings, bpy.types.Operator):
     """Make a flat mesh of what an image shows, to be posed by handles in its plane"""
 
     bl_idname = "lissom.inbetween_image"
@@ -51,30 +47,12 @@ class LISSOM_OT_inbetween_image(ImageFile, JobOperator, ImageSettings, bpy.types
         name="Height", description="Height of the whole image", default=2.0, min=1e-6, unit="LENGTH"
     )
 
+    job_class, asked_class = ImageMesh, ImageAsked
+
     @classmethod
     def poll(cls, context):
         reason = "" if context.mode == "OBJECT" else "Go to Object Mode first"
         return allowed(cls, reason)
-
-    def begin(self, context):
-        image = images.find(self.image, self.filepath)
-        self._image = image.name
-        opacity = images.alpha(image)
-        asked = {name: getattr(self, name) for name in LABELS}
-
-        def steps():
-            return (yield lissom.start_image_mesh(opacity, **asked))
-
-        return Work(steps())
-
-    def finish(self, context, made):
-        obj = images.make(images.find(self._image), made, self.height)
-        for warning in made.warnings:
-            self.report({"WARNING"}, translated(warning))
-        self.report(
-            {"INFO"},
-            translated(f"'{obj.name}': {len(made.vertices)} vertices, {len(made.triangles)} triangles"),
-        )
 
 
 class _Plain:
@@ -104,14 +82,7 @@ class LISSOM_OT_inbetween_second_image(ImageFile, _Plain, bpy.types.Operator):
 
     @answering
     def execute(self, context):
-        obj = checks.mesh_object(self.object, context)
-        arcs.require(obj)
-        baked = obj.lissom_inbetween.arcs
-        if not self.slider and not len(baked):
-            raise Refused("Bake the arc to the key that the second image shows first")
-        arc = arcs.find(obj, self.slider or baked[-1].name)
-        for warning in images.lay(obj, images.find(self.image, self.filepath), arc):
-            self.report({"WARNING"}, translated(warning))
+        report_done(self, lay_second(context, self.object, self.slider, self.image, self.filepath))
 
 
 def _draw_add(menu, context):

@@ -12,6 +12,7 @@ from ..core.refused import Refused
 from ..translations import translated
 
 POLL_SECONDS = 0.05
+AT_WORK = "Lissom is at work: wait, or press ESC to cancel"
 
 
 def answering(function):
@@ -35,10 +36,16 @@ def answering(function):
 
 def allowed(operator_class, reason):
     """poll(): True where there is no reason against it, else the reason is what the disabled button says."""
-    reason = "Lissom is at work: wait, or press ESC to cancel" if session.work is not None else reason
+    reason = AT_WORK if session.work is not None else reason
     if reason:
         operator_class.poll_message_set(translated(reason))
     return not reason
+
+
+def require_rest():
+    """Refused while other work goes on: there is one job at a time."""
+    if session.work is not None:
+        raise Refused(AT_WORK)
 
 
 def shown_object(context):
@@ -81,8 +88,7 @@ class JobOperator:
 
     @answering
     def _start(self, context):
-        if session.work is not None:
-            raise Refused("Lissom is still at work: wait, or press ESC to cancel")
+        require_rest()
         work = self.begin(context)
         if work.finished:
             return self.finish(context, work.result)
@@ -135,3 +141,33 @@ class JobOperator:
         context.window_manager.event_timer_remove(self._timer)
         context.workspace.status_text_set(None)
         redraw_sidebars()
+
+
+class JobRunner(JobOperator):
+    """Mixin: runs a job of ``job_class``, asked for as an ``asked_class``, and reports what it has done.
+
+    ``keeps`` names the settings of the scene that keep its warnings for the panel, where there are such.
+    """
+
+    keeps = ""
+
+    def asked(self, context):
+        """What the operator's properties ask for."""
+        return self.asked_class.of(self)
+
+    def begin(self, context):
+        self._job = self.job_class(context, self.asked(context))
+        return self._job.work
+
+    def finish(self, context, found):
+        done = self._job.write(context, found)
+        if self.keeps:
+            getattr(context.scene, self.keeps).warnings = "\n".join(done.kept)
+        report_done(self, done)
+
+
+def report_done(operator, done):
+    """Reports what a jobs.Done has to say."""
+    operator.report({"INFO"}, translated(done.summary))
+    for warning in reversed(done.warnings):  # what is reported last is what one sees
+        operator.report({"WARNING"}, translated(warning))

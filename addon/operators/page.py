@@ -4,7 +4,7 @@ import bpy
 from bpy.props import EnumProperty
 
 from ..core.refused import Refused
-from ..panels.common import TAB
+from ..layouts import TAB
 from ..properties.main import PAGES
 from .job import answering
 

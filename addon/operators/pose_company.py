@@ -6,7 +6,7 @@ from bpy.props import IntProperty, StringProperty
 from ..bridge import company
 from ..core.refused import Refused
 from .job import answering, writable_mesh
-from .pose_handles import OBJECT, unbound_object
+from .objects import OBJECT, unbound_object
 
 
 class LISSOM_OT_pose_company(bpy.types.Operator):

@@ -7,7 +7,7 @@ from ..bridge import bones, checks, shape_keys
 from ..core.refused import Refused
 from ..translations import translated
 from .job import answering, writable_mesh
-from .pose_handles import OBJECT
+from .objects import OBJECT
 
 
 class LISSOM_OT_pose_drive(bpy.types.Operator):

@@ -9,12 +9,7 @@ from ..bridge import checks, empties, groups, standing
 from ..core import space
 from ..core.refused import Refused
 from .job import allowed, answering, shown_object, writable_mesh
-
-OBJECT = {
-    "name": "Object",
-    "description": "Name of the mesh object; empty: the active one",
-    "options": {"SKIP_SAVE"},
-}
+from .objects import OBJECT, unbound_object
 
 
 def _poll(operator_class, context):
@@ -23,16 +18,6 @@ def _poll(operator_class, context):
     if obj is not None and obj.mode == "EDIT" and not obj.lissom_pose.bound:
         return allowed(operator_class, "")
     return writable_mesh(operator_class, context, bound=False)
-
-
-def unbound_object(name, context):
-    """The mesh object of that name, or the active one; Refused where it is bound or not to be written to."""
-    obj = checks.mesh_object(name, context)
-    if obj.mode != "EDIT":
-        checks.require_writable(obj)
-    if obj.lissom_pose.bound:
-        raise Refused(f"'{obj.name}' is bound: press Unbind first, then change its handles")
-    return obj
 
 
 class LISSOM_OT_pose_handle_add(bpy.types.Operator):

@@ -3,14 +3,13 @@
 import bpy
 from bpy.props import BoolProperty, IntProperty
 
-from .. import session
 from ..bridge import brush, checks
 from ..bridge.screen import redraw_sidebars
 from ..core.refused import Refused
 from ..drawing.shapes import ring
-from ..panels.pose import bind_settings
+from ..jobs.pose import Bind, bind_asked
 from ..translations import translated
-from .job import answering
+from .job import answering, require_rest
 
 RADIUS = 40  # pixels
 
@@ -34,8 +33,7 @@ class LISSOM_OT_pose_touch(bpy.types.Operator):
 
     @answering
     def _start(self, context, spot):
-        if session.work is not None:
-            raise Refused("Lissom is at work: wait, or press ESC to cancel")
+        require_rest()
         obj = checks.active_mesh(context)
         if obj is None:
             raise Refused("Select a mesh object first")
@@ -52,7 +50,8 @@ class LISSOM_OT_pose_touch(bpy.types.Operator):
         settings = obj.lissom_pose
         if not settings.bound:
             settings.use_weights = True  # a brush has a soft rim
-            bpy.ops.lissom.pose_bind("EXEC_DEFAULT", **bind_settings(obj))
+            bind = Bind(context, bind_asked(obj))
+            bind.write(context, bind.work.wait())
         settings.active_handle = settings.handles.find(name)
         empty = settings.handles[name].empty
         for other in context.selected_objects:

@@ -4,12 +4,12 @@ import bpy
 
 from ..bridge import attributes, checks
 from ..jobs.attributes import AttributesAsked, TransferAttributes
-from ..properties.transfer import colours_property, exists_property, groups_property, uv_maps_property
-from .job import allowed
-from .transfer_fit import FitProperties, TransferOperator, ready
+from ..properties.transfer_options import colours_property, exists_property, groups_property, uv_maps_property
+from .job import JobRunner, allowed
+from .transfer import FitProperties, ready
 
 
-class LISSOM_OT_transfer_attributes(FitProperties, TransferOperator, bpy.types.Operator):
+class LISSOM_OT_transfer_attributes(FitProperties, JobRunner, bpy.types.Operator):
     """Carry vertex groups, UV maps and colour attributes of the source over to the target"""
 
     bl_idname = "lissom.transfer_attributes"

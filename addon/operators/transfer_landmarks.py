@@ -10,8 +10,8 @@ from ..core.refused import Refused
 from ..jobs.fit import FitAsked
 from ..jobs.landmarks import GuessLandmarks
 from ..translations import translated
-from .job import answering
-from .transfer_fit import FitProperties, TransferOperator, ready
+from .job import JobRunner, answering
+from .transfer import FitProperties, ready
 
 
 class LISSOM_OT_landmarks_pair(bpy.types.Operator):
@@ -43,7 +43,7 @@ class LISSOM_OT_landmarks_pair(bpy.types.Operator):
         self.report({"INFO"}, translated(f"{len(added)} landmarks paired"))
 
 
-class LISSOM_OT_landmarks_guess(FitProperties, TransferOperator, bpy.types.Operator):
+class LISSOM_OT_landmarks_guess(FitProperties, JobRunner, bpy.types.Operator):
     """Put the landmarks that the target lacks where a fit of the markers so far has them. They are grey, and
     count only once they are dragged, or confirmed in the list"""
 

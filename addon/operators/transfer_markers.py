@@ -1,49 +1,18 @@
-"""The lists of marker pairs and curves: add, remove, clear, save and load."""
-
-import os
+"""The list of marker pairs: add, remove, clear, show and mirror."""
 
 import bmesh
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
-from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ..bridge import markers as bridge_markers
 from ..bridge import meshes
 from ..bridge.screen import redraw_views
-from ..core import marker_file, marker_places, markers
-from ..core.curves import ordered
+from ..core import marker_places, markers
 from ..core.refused import Refused, first
 from ..translations import translated
-from .job import allowed, answering
-
-SOURCE = {
-    "name": "Source",
-    "description": "Name of the source object, with further ones, one a line; empty: the scene's",
-    "options": {"SKIP_SAVE"},
-}
-TARGET = {
-    "name": "Target",
-    "description": "Name of the target object, with further ones, one a line; empty: the scene's",
-    "options": {"SKIP_SAVE"},
-}
-
-
-def _needs_pair(operator_class, context):
-    settings = context.scene.lissom_transfer
-    missing = settings.source is None or settings.target is None or settings.source == settings.target
-    return allowed(
-        operator_class, "Choose two different objects as source and target first" if missing else ""
-    )
-
-
-def _needs_markers(operator_class, context, or_curves=False):
-    settings = context.scene.lissom_transfer
-    there = len(settings.markers) or (or_curves and len(settings.curves))
-    return allowed(operator_class, "" if there else "There are no markers yet")
-
-
-def _held(pairs, curves):
-    return f"{len(pairs)} marker pairs" + (f" and {len(curves)} curves" if curves else "")
+from .job import answering
+from .markers import needs_markers, needs_pair
+from .objects import SOURCE, TARGET
 
 
 def _selected(obj):
@@ -112,58 +81,6 @@ class LISSOM_OT_marker_add(bpy.types.Operator):
             self.report({"WARNING"}, translated(warning))
 
 
-class LISSOM_OT_curve_add(bpy.types.Operator):
-    """Pair the edges selected on the source with those selected on the target, such as rims of lids or lips.
-
-    In Edit Mode, Alt-click an edge of a rim to select all of it, and Shift-Alt-click its counterpart"""
-
-    bl_idname = "lissom.curve_add"
-    bl_label = "Add Curve"
-    bl_options = {"REGISTER", "UNDO"}
-
-    source: StringProperty(**SOURCE)
-    target: StringProperty(**TARGET)
-    name: StringProperty(name="Name", description="What this rim is; empty: numbered", options={"SKIP_SAVE"})
-
-    @answering
-    def execute(self, context):
-        ends = bridge_markers.pair_of_objects(context, self.source, self.target)
-        paths = [tuple(ordered(meshes.selected_edges(obj).tolist(), obj.name)) for obj in ends]
-        closed = [path[0] == path[-1] for path in paths]
-        if closed[0] != closed[1]:
-            loop, path = ends if closed[0] else ends[::-1]
-            raise Refused(
-                f"The selected edges of '{loop.name}' form a loop, those of '{path.name}' a path with "
-                "two ends: select two of a kind"
-            )
-        pairs, warnings = bridge_markers.current(context.scene, *ends)
-        known = bridge_markers.current_curves(context.scene, *ends)
-        curves = [*known, markers.Curve(self.name or f"Curve {len(known) + 1}", *paths)]
-        markers.check_curves(curves, *(len(obj.data.vertices) for obj in ends))
-        bridge_markers.put(context.scene, pairs, *ends, curves=curves)
-        for warning in warnings:
-            self.report({"WARNING"}, translated(warning))
-        counts = [len(set(path)) for path in paths]
-        self.report({"INFO"}, translated(f"'{curves[-1].name}': {counts[0]} to {counts[1]} vertices"))
-
-
-class LISSOM_OT_curve_remove(bpy.types.Operator):
-    """Remove a curve from the list"""
-
-    bl_idname = "lissom.curve_remove"
-    bl_label = "Remove Curve"
-    bl_options = {"REGISTER", "UNDO"}
-
-    index: IntProperty(name="Index", description="Place in the list", min=0, options={"SKIP_SAVE"})
-
-    @answering
-    def execute(self, context):
-        curves = context.scene.lissom_transfer.curves
-        if self.index >= len(curves):
-            raise Refused(f"There is no curve {self.index}: the list holds {len(curves)}")
-        curves.remove(self.index)
-
-
 class LISSOM_OT_marker_remove(bpy.types.Operator):
     """Remove a marker pair from the list"""
 
@@ -181,7 +98,7 @@ class LISSOM_OT_marker_remove(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return _needs_markers(cls, context)
+        return needs_markers(cls, context)
 
     @answering
     def execute(self, context):
@@ -201,7 +118,7 @@ class LISSOM_OT_marker_clear(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return _needs_markers(cls, context, or_curves=True)
+        return needs_markers(cls, context, or_curves=True)
 
     @answering
     def execute(self, context):
@@ -222,7 +139,7 @@ class LISSOM_OT_marker_show(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return _needs_pair(cls, context) and _needs_markers(cls, context)
+        return needs_pair(cls, context) and needs_markers(cls, context)
 
     @answering
     def execute(self, context):
@@ -235,75 +152,6 @@ class LISSOM_OT_marker_show(bpy.types.Operator):
         for obj, point in zip(ends, marker.ends, strict=True):
             meshes.select_only(obj, point.vertex)
         settings.active_marker = self.index
-
-
-class LISSOM_OT_marker_load(ImportHelper, bpy.types.Operator):
-    """Read marker pairs from a file in place of the list: JSON, .cons or lines of two vertices"""
-
-    bl_idname = "lissom.marker_load"
-    bl_label = "Load Markers"
-    bl_options = {"REGISTER", "UNDO"}
-
-    filename_ext = ".json"
-    filter_glob: StringProperty(default="*.json;*.cons;*.txt", options={"HIDDEN"})
-
-    @answering
-    def execute(self, context):
-        settings = context.scene.lissom_transfer
-        loaded = marker_file.load(bpy.path.abspath(self.filepath))
-        if not (loaded.pairs or loaded.curves):
-            raise Refused(f"Marker file '{self.filepath}' holds no pairs: the list stays as it is")
-        pairs, curves, warnings = loaded.pairs, loaded.curves, []
-        ends = settings.source, settings.target
-        if all(ends):
-            pairs, warnings = bridge_markers.of_file(loaded, *ends)
-            curves = bridge_markers.curves_of_file(loaded, *ends)
-            counts = [len(obj.data.vertices) for obj in ends]
-            markers.check(pairs, *counts)
-            markers.check_curves(curves, *counts)
-        for warning in warnings:
-            self.report({"WARNING"}, translated(warning))
-        bridge_markers.put(context.scene, pairs, *(ends if all(ends) else (None, None)), curves=curves)
-        settings.active_marker = 0
-        held = _held(pairs, curves)
-        self.report({"INFO"}, translated(f"{held} from {os.path.basename(self.filepath)}"))
-
-
-class LISSOM_OT_marker_save(ExportHelper, bpy.types.Operator):
-    """Write the list of marker pairs to a JSON file"""
-
-    bl_idname = "lissom.marker_save"
-    bl_label = "Save Markers"
-    bl_options = {"REGISTER", "UNDO"}
-
-    filename_ext = ".json"
-    filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
-    source: StringProperty(**SOURCE)
-    target: StringProperty(**TARGET)
-
-    @classmethod
-    def poll(cls, context):
-        return _needs_markers(cls, context, or_curves=True)
-
-    @answering
-    def execute(self, context):
-        source, target = bridge_markers.pair_of_objects(context, self.source, self.target)
-        ends = [(obj.name, len(obj.data.vertices)) for obj in (source, target)]
-        pairs, warnings = bridge_markers.current(context.scene, source, target)
-        pairs = [marker for marker in pairs if not marker.guessed]
-        markers.check(pairs, *(count for _, count in ends))
-        curves = bridge_markers.current_curves(context.scene, source, target)
-        markers.check_curves(curves, *(count for _, count in ends))
-        pairs = bridge_markers.placed(pairs, source, target)
-        curves = bridge_markers.curves_placed(curves, source, target)
-        path = bpy.path.abspath(self.filepath)
-        try:
-            marker_file.save(path, pairs, *ends, curves)
-        except OSError as error:
-            raise Refused(f"Marker file '{path}' cannot be written: {error.strerror}") from error
-        for warning in warnings:
-            self.report({"WARNING"}, translated(warning))
-        self.report({"INFO"}, translated(f"{_held(pairs, curves)} in {os.path.basename(path)}"))
 
 
 class LISSOM_OT_marker_mirror(bpy.types.Operator):
@@ -325,7 +173,7 @@ class LISSOM_OT_marker_mirror(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return _needs_markers(cls, context)
+        return needs_markers(cls, context)
 
     @answering
     def execute(self, context):
@@ -351,12 +199,8 @@ class LISSOM_OT_marker_mirror(bpy.types.Operator):
 
 classes = (
     LISSOM_OT_marker_add,
-    LISSOM_OT_curve_add,
-    LISSOM_OT_curve_remove,
     LISSOM_OT_marker_remove,
     LISSOM_OT_marker_clear,
     LISSOM_OT_marker_show,
-    LISSOM_OT_marker_load,
-    LISSOM_OT_marker_save,
     LISSOM_OT_marker_mirror,
 )

@@ -97,7 +97,7 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
             return {"PASS_THROUGH"}
         pane = picking.pane_under(context.window, event.mouse_x, event.mouse_y)
         stage = pane and picking.Stage(
-            context.scene, context.evaluated_depsgraph_get(), pane.view, pane.space
+            context.scene, context.evaluated_depsgraph_get(), pane.view, pane.space, session.picking
         )
         if self._drag is not None:
             return self._dragged(context, event, pane, stage)

@@ -4,12 +4,13 @@ import bpy
 from bpy.props import StringProperty
 
 from ..jobs.transfer_pose import AnimationAsked, PoseAsked, TransferAnimation, TransferPose
-from ..properties.transfer import edited_property, exists_property
+from ..properties.transfer_options import edited_property, exists_property
 from .baking import CACHE_FILE, BakeProperties
-from .transfer_fit import TransferOperator, TransferProperties, ready
+from .job import JobRunner
+from .transfer import TransferProperties, ready
 
 
-class LISSOM_OT_transfer_pose(TransferProperties, TransferOperator, bpy.types.Operator):
+class LISSOM_OT_transfer_pose(TransferProperties, JobRunner, bpy.types.Operator):
     """Carry over what the source looks like now, by armature, modifiers and shape keys, as one shape key"""
 
     bl_idname = "lissom.transfer_pose"
@@ -27,7 +28,7 @@ class LISSOM_OT_transfer_pose(TransferProperties, TransferOperator, bpy.types.Op
         return ready(cls, context, writes=True)
 
 
-class LISSOM_OT_transfer_animation(BakeProperties, TransferProperties, TransferOperator, bpy.types.Operator):
+class LISSOM_OT_transfer_animation(BakeProperties, TransferProperties, JobRunner, bpy.types.Operator):
     """Carry over what the source looks like at each frame of a range"""
 
     bl_idname = "lissom.transfer_animation"

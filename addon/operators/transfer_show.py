@@ -5,14 +5,14 @@ import numpy as np
 from bpy.props import BoolProperty, IntProperty
 
 from .. import session
-from ..bridge import checks, colours, views
+from ..bridge import checks, views
 from ..bridge import markers as bridge_markers
 from ..bridge.meshes import select_vertices
 from ..core import markers
-from ..core.colours import LIMIT, of_fit
 from ..core.refused import Refused
 from ..core.suggest import suggest
 from ..jobs.fit import remembered
+from ..jobs.fit_shown import coloured, hide, show
 from ..translations import translated
 from .job import allowed, answering
 
@@ -30,32 +30,11 @@ class LISSOM_OT_fit_show(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return allowed(cls, "" if session.fit or shown_objects() else "Press Fit first")
+        return allowed(cls, "" if session.fit or coloured() else "Press Fit first")
 
     @answering
     def execute(self, context):
-        if not self.show:
-            for obj in shown_objects():
-                colours.hide(obj)
-            colours.views_back()
-            return
-        memory, source, target = remembered()
-        objects = source.objects() + target.objects()
-        for obj in objects:
-            reason = checks.refusal(obj, keys=False)
-            if reason:
-                raise Refused(reason)
-        diagonal = float(np.linalg.norm(np.ptp(target.rest(), axis=0)))
-        found = of_fit(memory.fit, source.geometry()[1], diagonal, LIMIT)
-        for side, values in zip((source, target), found, strict=True):
-            for obj, own in zip(side.objects(), side.split(values), strict=True):
-                colours.show(obj, own)
-        colours.views_show()
-
-
-def shown_objects():
-    """The mesh objects that bear the colours of a fit."""
-    return [obj for obj in bpy.data.objects if obj.type == "MESH" and colours.shown(obj)]
+        (show if self.show else hide)(context)
 
 
 class LISSOM_OT_fit_place(bpy.types.Operator):
@@ -87,7 +66,7 @@ class LISSOM_OT_fit_place(bpy.types.Operator):
         area = _showing(context, side.objects())
         if area is not None:
             views.look_at(area, _with_surroundings(places, side.rest()), towards)
-        bpy.ops.lissom.fit_show(show=True)
+        show(context)
         self.report({"INFO"}, translated(fault.line))
 
 

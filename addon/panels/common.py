@@ -4,14 +4,11 @@ import blf
 import bpy
 
 from ..core import wording
-from ..core.pose_options import options_of
+from ..layouts import TAB
 from ..translations import translated
 
 # Pixels at a scale of 1: the sidebar as Blender opens it, and what in it is not text.
 SIDEBAR, MARGINS, ICON, BUTTON = 280, 66, 24, 28
-
-
-TAB = "Lissom"
 
 
 class Sidebar:
@@ -24,22 +21,6 @@ class Sidebar:
     @classmethod
     def poll(cls, context):
         return context.window_manager.lissom_page == cls.page
-
-
-def split_column(layout):
-    """A column of settings in Blender's own manner: label to the left, no dots of animation."""
-    column = layout.column()
-    column.use_property_split = True
-    column.use_property_decorate = False
-    return column
-
-
-def draw_options(column, method, base, owned):
-    """The options of a pose method; ``owned(owner)`` has them as properties."""
-    for (owner, name), option in options_of(method, base).items():
-        data = owned(owner)
-        if not option.when or getattr(data, option.when[0]) == option.when[1]:
-            column.prop(data, name)
 
 
 def draw_fold(layout, name, label):
@@ -60,6 +41,18 @@ def draw_lines(layout, icon, text, margin=0):
     for line in wording.lines(translated(text), lambda line: _width(line) <= room):
         column.label(text=line, icon=icon, translate=False)
         icon = "NONE" if icon == "NONE" else "BLANK1"
+
+
+def draw_warnings(layout, warnings, page, name="", slider=""):
+    """What jobs had to say, one a line, each with a button that takes it away once it is dealt with.
+
+    ``page`` is that of the tab, ``name`` of the object and ``slider`` of the arc that they are kept with.
+    """
+    for place, line in enumerate(warnings.splitlines()):
+        row = layout.row()
+        draw_lines(row.column(), "ERROR", line, margin=BUTTON)
+        dismiss = row.operator("lissom.warning_dismiss", text="", icon="X", emboss=False)
+        dismiss.page, dismiss.object, dismiss.slider, dismiss.line = page, name, slider, place
 
 
 def _room(beside):

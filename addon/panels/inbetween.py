@@ -5,8 +5,10 @@ import bpy
 from .. import session
 from ..bridge import arcs, checks, sliders
 from ..drawing import ghost
+from ..layouts import split_column
 from ..properties.inbetween import SETTINGS, PathSettings
-from .common import Sidebar, draw_fold, draw_lines, split_column
+from .common import Sidebar, draw_fold, draw_lines, draw_warnings
+from .ticks import TickList, draw_ticks
 
 
 def set_bake(button, obj):
@@ -25,33 +27,23 @@ def set_bake_all(button, obj):
         setattr(button, name, getattr(settings, name))
 
 
-class LISSOM_UL_arc_keys(bpy.types.UIList):
+class LISSOM_UL_arc_keys(TickList, bpy.types.UIList):
     """The shape keys that arcs can lead to, with a tick each."""
 
     bl_idname = "LISSOM_UL_arc_keys"
+    tick = "lissom.inbetween_choose"
 
-    def draw_item(self, context, layout, data, item, icon, active_data, active_property):
+    def chosen(self, context):
+        """The ticks."""
+        return context.lissom_object.lissom_inbetween.chosen
+
+    def offered(self, context):
+        """Names of the keys that can be ticked."""
         obj = context.lissom_object
-        ticked = item.name in obj.lissom_inbetween.chosen
-        row = layout.row(align=True)
-        toggle = row.operator(
-            "lissom.inbetween_choose",
-            text="",
-            icon="CHECKBOX_HLT" if ticked else "CHECKBOX_DEHLT",
-            emboss=False,
-        )
-        toggle.object, toggle.action, toggle.key = obj.name, "TOGGLE", item.name
-        row.label(text=item.name, translate=False)
+        return arcs.offered(obj, obj.lissom_inbetween.start)
 
-    def filter_items(self, context, data, property_name):
-        keys = getattr(data, property_name)
-        helper = bpy.types.UI_UL_list
-        flags = [self.bitflag_filter_item] * len(keys)
-        if self.filter_name:
-            flags = helper.filter_items_by_name(self.filter_name, self.bitflag_filter_item, keys)
-        settings = context.lissom_object.lissom_inbetween
-        offered = arcs.offered(context.lissom_object, settings.start)
-        return [flag if key.name in offered else 0 for flag, key in zip(flags, keys, strict=True)], []
+    def draw_more(self, context, row, item, toggle):
+        toggle.object = context.lissom_object.name
 
 
 class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
@@ -81,7 +73,8 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
             settings, "start", text="From" if settings.start else "From (Basis)", icon="SHAPEKEY_DATA"
         )
         if settings.several:
-            self._draw_choice(layout, obj)
+            for button in draw_ticks(layout, "LISSOM_UL_arc_keys", obj, "lissom.inbetween_choose", 5):
+                button.object = obj.name
         else:
             column.prop(settings, "end", icon="SHAPEKEY_DATA")
         column = split_column(layout)
@@ -111,17 +104,6 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
             draw_lines(layout, "INFO", reason)
         self._draw_sliders(layout, obj, settings)
 
-    def _draw_choice(self, layout, obj):
-        column = layout.column(align=True)
-        keys = obj.data.shape_keys
-        column.template_list(
-            "LISSOM_UL_arc_keys", "", keys, "key_blocks", obj, "active_shape_key_index", rows=5
-        )
-        row = column.row(align=True)
-        for action in ("ALL", "NONE"):
-            choose = row.operator("lissom.inbetween_choose", text=action.capitalize())
-            choose.object, choose.action = obj.name, action
-
     def _draw_sliders(self, layout, obj, settings):
         baked = [arc for arc in settings.arcs if arc.name in obj]
         if not baked:
@@ -148,6 +130,7 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
             for action, icon in (("rebake", "FILE_REFRESH"), ("rename", "GREASEPENCIL"), ("remove", "X")):
                 button = row.operator(f"lissom.inbetween_{action}", text="", icon=icon)
                 button.object, button.slider = obj.name, arc.name
+            draw_warnings(layout, arc.warnings, "INBETWEEN", obj.name, arc.name)
 
 
 classes = (LISSOM_UL_arc_keys, LISSOM_PT_inbetween)

@@ -4,8 +4,9 @@ import bpy
 
 from .. import session
 from ..core import build
+from ..layouts import TAB
 from ..translations import translated
-from .common import TAB, draw_lines
+from .common import draw_lines
 
 
 class LISSOM_PT_main(bpy.types.Panel):

@@ -3,10 +3,12 @@
 import bpy
 
 from .. import session
-from ..bridge import checks, empties, poses
+from ..bridge import checks, company, empties, mirrors, poses
 from ..core.pose_options import METHODS
+from ..jobs.pose import bind_asked
+from ..layouts import draw_options, split_column
 from ..translations import translated
-from .common import Sidebar, draw_fold, draw_lines, draw_options, split_column
+from .common import Sidebar, draw_fold, draw_lines, draw_warnings
 
 METHOD_LINES = {name: line for name, _, line in METHODS}
 
@@ -59,17 +61,12 @@ class LISSOM_MT_handle_add(bpy.types.Menu):
             layout.label(text="No other vertex group")
 
 
-def bind_settings(obj):
-    """What the panel of an object says, as properties of ``lissom.pose_bind``."""
-    asked = poses.asked(obj.lissom_pose)
-    given = {"object": obj.name, **asked._asdict(), **asked.options, "stands": obj.lissom_pose.stands}
-    del given["options"]
-    return given
-
-
 def set_bind(button, obj):
     """Gives the button of Bind what the panel of this object says."""
-    for name, value in bind_settings(obj).items():
+    asked = bind_asked(obj)
+    given = {**asked.pose._asdict(), **asked.pose.options, "object": asked.object, "stands": asked.stands}
+    del given["options"]
+    for name, value in given.items():
         setattr(button, name, value)
 
 
@@ -148,7 +145,9 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         for place, other in enumerate(settings.company):
             row = column.row(align=True)
             row.enabled = not settings.bound
-            row.prop(other, "object", text="")
+            there = company.is_there(other)
+            row.alert = not there
+            row.prop(other, "object", text="" if there else "Deleted")
             row.prop(other, "way", text="")
             remove = row.operator("lissom.pose_company", text="", icon="REMOVE")
             remove.object, remove.remove = obj.name, place
@@ -158,6 +157,8 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         column.prop(settings, "method")
         draw_lines(column, "NONE", METHOD_LINES[settings.method])
         column.prop(settings, "symmetry")
+        for modifier in mirrors.taken(settings.id_data):
+            draw_lines(column, "MOD_MIRROR", f"'{modifier.name}' mirrors the pose, and its seam stays closed")
         if not settings.bound:
             column.prop(settings, "stands")
         elif settings.stood:
@@ -184,6 +185,7 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         if reason:
             icon, text = "ERROR", reason
         draw_lines(layout, icon, text)
+        draw_warnings(layout, settings.warnings, "POSE", obj.name)
         layout.separator()
         box = layout.column(align=True)
         box.prop(settings, "key_name", icon="SHAPEKEY_DATA", text="")
@@ -196,9 +198,8 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         if settings.stood and obj.active_shape_key_index:
             key = obj.active_shape_key
             if key.name != settings.preview:
-                drive = box.operator(
-                    "lissom.pose_drive", text=translated(f"Drive '{key.name}' by Bone"), icon="DRIVER"
-                )
+                said = translated(f"Drive '{key.name}' by Bone")
+                drive = box.operator("lissom.pose_drive", text=said, icon="DRIVER", translate=False)
                 drive.object, drive.key = obj.name, key.name
         self._draw_bake(layout, obj, settings)
         layout.operator("lissom.pose_unbind", icon="UNLINKED").object = obj.name

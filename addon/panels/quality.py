@@ -2,8 +2,8 @@
 
 import bpy
 
-from ..bridge.written import is_edited
 from ..core.quality import ORDERS, badness
+from ..jobs.corrections import is_edited
 from ..translations import translated
 from .common import draw_lines
 

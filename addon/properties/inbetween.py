@@ -11,13 +11,14 @@ from bpy.props import (
     StringProperty,
 )
 
+from .. import changes
 from ..bridge import shape_keys
 from ..core.easing import EASINGS
-from ..core.inbetween import MAX_COUNT
+from ..core.inbetween import MAX_COUNT, PLAYBACK_ITEMS
 from ..core.options import option
-from ..drawing import ghost
 from ..translations import CONTEXT
 from .options import option_property
+from .ticks import LissomTick
 
 # A file stores the place in these lists: only append.
 OPTIONS = {
@@ -33,15 +34,6 @@ SAMPLING_ITEMS = [
     ("COUNT", "Even", "So many in-betweens, evenly spaced in time", 0),
     ("TOLERANCE", "Tolerance", "As few as keep every vertex within a distance of the arc", 1),
     ("PLACED", "Placed", "So many in-betweens, placed where they follow the arc best", 2),
-]
-PLAYBACK_ITEMS = [
-    ("RELATIVE", "Relative Keys", "The slider drives the baked keys; other keys add to them", 0),
-    (
-        "ABSOLUTE",
-        "Absolute Keys",
-        "The slider drives the evaluation time of absolute shape keys; other keys do not play meanwhile",
-        1,
-    ),
 ]
 
 
@@ -133,12 +125,6 @@ class LissomArcKey(bpy.types.PropertyGroup):
     time: FloatProperty(name="Time", description="Where on the arc it lies: 0 to 1, or beyond")
 
 
-class LissomArcChoice(bpy.types.PropertyGroup):
-    """The name of a shape key that is ticked."""
-
-    name: StringProperty(name="Shape Key")
-
-
 class LissomArc(PathSettings, ArcSettings, bpy.types.PropertyGroup):
     """A baked arc; its name is that of the slider."""
 
@@ -159,8 +145,7 @@ def ends(settings, context, text):
 
 
 def _changed(settings, _):
-    if settings.ghost or ghost.of(settings.id_data) is not None:
-        ghost.ask(settings.id_data)
+    changes.arc_choice.tell(settings.id_data)
 
 
 class _GhostedPathSettings:
@@ -204,10 +189,10 @@ class LissomInbetween(_GhostedPathSettings, ArcSettings, bpy.types.PropertyGroup
         description="Bake arcs to many shape keys in one go, each under a slider of its own",
         options=set(),
     )
-    chosen: CollectionProperty(type=LissomArcChoice)
+    chosen: CollectionProperty(type=LissomTick)
 
 
-classes = (LissomArcKey, LissomArcChoice, LissomArc, LissomInbetween)
+classes = (LissomArcKey, LissomArc, LissomInbetween)
 
 
 def register():

@@ -13,9 +13,9 @@ from bpy.props import (
     StringProperty,
 )
 
-from .. import live, rebind
-from ..bridge.applied import PROBES
+from .. import changes
 from ..core.mirrors import SYMMETRIES
+from ..core.pose import PROBES
 from ..core.pose_options import METHODS, OPTIONS, PAPERS, SHOWN_FIRST
 from ..core.stays import STAYS
 from .options import option_property
@@ -123,13 +123,13 @@ def stands_property(**also):
 def _changed(settings, _):
     obj = settings.id_data
     if obj.lissom_pose.bound:
-        rebind.ask(obj)
+        changes.pose_options.tell(obj)
 
 
 def _turn_changed(handle, _):
     obj = handle.id_data
     if obj.lissom_pose.bound:
-        live.mark(obj)
+        changes.handle_turn.tell(obj)
 
 
 # One group a method, so that each keeps its own options while the artist tries another.
@@ -251,6 +251,7 @@ class LissomPose(bpy.types.PropertyGroup):
     # Written by Bind.
     stood: BoolProperty(options={"HIDDEN"}, description="It was bound as armature and modifiers have it")
     bound: BoolProperty(options={"HIDDEN"})
+    warnings: StringProperty(name="Warnings", description="What Bind had to say, one a line")
     preview: StringProperty(options={"HIDDEN"}, description="Name of the shape key that shows the pose")
     made_basis: BoolProperty(options={"HIDDEN"}, description="Bind gave the mesh its first shape key")
     topology: StringProperty(options={"HIDDEN"}, description="Hash of the faces at Bind")

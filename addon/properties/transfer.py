@@ -6,275 +6,40 @@ from bpy.props import (
     CollectionProperty,
     EnumProperty,
     FloatProperty,
-    FloatVectorProperty,
     IntProperty,
-    IntVectorProperty,
     PointerProperty,
     StringProperty,
 )
 
-from .. import session
-from ..bridge.meshes import rest_place
+from .. import changes
 from ..bridge.screen import redraw_views
-from ..core.options import option
-from ..core.surface import Point
 from ..translations import CONTEXT
-from .options import option_property
+from .markers import LissomCurve, LissomMarker
 from .pose import BAKE_ITEMS, BAKE_OUTPUT, BAKE_PATH, BAKE_STEP
-
-EXISTS_ITEMS = [
-    ("UPDATE", "Update", "Write over what has the same name"),
-    ("SKIP", "Skip", "Leave what has the same name as it is"),
-    ("RENAME", "Rename", "Keep what has the same name and number the new one"),
-]
-
-
-def exists_property(default):
-    """What a key or an attribute gets whose name is taken (row 32)."""
-    return EnumProperty(
-        name="If Exists",
-        description="What to do where one of that name is there already",
-        items=EXISTS_ITEMS,
-        default=default,
-    )
-
-
-def edited_property():
-    """What becomes of keys that the artist has edited since a transfer wrote them."""
-    return EnumProperty(
-        name="Edited Keys",
-        description="What becomes of shape keys that were edited by hand since they were transferred",
-        items=[
-            ("KEEP", "Keep", "They stay as they are"),
-            ("CARRY", "Carry Over", "The new result, with what was changed by hand on top of it"),
-            ("OVERWRITE", "Overwrite", "The new result: what was changed by hand is lost"),
-        ],
-    )
-
-
-def match_distance_property():
-    """The option of the same name of lissom.start_fit."""
-    label = {"label": "Match Distance", "low": 1e-6, "high": 1.0, "soft_high": 0.1}
-    return option_property(option("fit", "match_distance", **label), precision=3)
-
-
-def marker_tolerance_property():
-    """The option of the same name of lissom.start_fit."""
-    label = {"label": "Marker Tolerance", "high": 1.0, "soft_high": 0.1}
-    return option_property(option("fit", "marker_tolerance", **label), precision=3)
-
-
-def closest_property():
-    """The option of the same name of lissom.start_fit."""
-    return option_property(option("fit", "closest", "Tightness", high=1e6), precision=0)
-
-
-def overlap_property():
-    """The option of the same name of lissom.start_fit."""
-    return option_property(option("fit", "overlap", "They Overlap"))
-
-
-def mask_property(side):
-    """A vertex group of the source or the target, for the option of lissom.start_fit of that name."""
-    return StringProperty(
-        name=f"{side} Mask",
-        description=f"Vertex group of the {side.lower()} that matches nothing, such as the inside of the "
-        "mouth. Empty: everything may match",
-    )
-
-
-def unmatched_property():
-    """The option of the same name of lissom.Transfer (row 30)."""
-    labels = {"follow": "Follow", "rest": "Stay"}
-    return option_property(option("transfer", "unmatched", "Loose Parts", labels))
-
-
-def scale_property():
-    """The option of the same name of lissom.Transfer."""
-    labels = {"target": "Target's Size", "source": "As Far"}
-    return option_property(option("transfer", "scale", "Scale", labels))
-
-
-def drivers_property():
-    """What becomes of the drivers of the keys."""
-    return EnumProperty(
-        name="Drivers",
-        description="What becomes of the drivers of the shape keys",
-        items=[
-            ("REWIRE", "To Target", "They come along, and read the target where they read the source", 0),
-            ("KEEP", "As They Are", "They come along, and go on reading the source", 1),
-            ("NONE", "None", "They stay behind: the new keys keep their values", 2),
-        ],
-    )
-
-
-def contact_property():
-    """The option of the same name of lissom.Transfer."""
-    return option_property(option("transfer", "contact", "Contact"))
-
-
-def face_names_property():
-    """Which face keys, and what they are called."""
-    return EnumProperty(
-        name="Names",
-        description="Which keys, and what they are called",
-        items=[
-            ("ARKIT", "ARKit", "The 52 of Apple's ARKit, as Live Link Face and VSeeFace have them"),
-            ("ICT", "ICT", "The 53 of the face that comes along, left and right apart"),
-            ("VRM", "VRM", "The preset expressions of VRM 1.0"),
-            ("VISEMES", "Visemes", "The 15 of Oculus's lip sync"),
-        ],
-    )
-
-
-def drop_empty_property():
-    """Whether keys that move nothing are left out."""
-    return BoolProperty(
-        name="Drop Empty",
-        description="Leave out shape keys that do not move the target. Further objects of the target get "
-        "only those that move them in any case",
-    )
-
-
-def check_property():
-    """Whether the quality of each key is found."""
-    return BoolProperty(
-        name="Check Quality",
-        description="Judge every key by what one sees, and list which of them deserve a look",
-        default=True,
-    )
-
-
-def groups_property():
-    """Whether vertex groups are carried over."""
-    return BoolProperty(
-        name="Vertex Groups",
-        description="Weights of all vertex groups; each vertex is in no more of them than on the source, "
-        "and their sum is as there",
-        default=True,
-    )
-
-
-def uv_maps_property():
-    """Whether UV maps are carried over."""
-    return BoolProperty(
-        name="UV Maps",
-        description="All UV maps; each face of the target lies on one side of their seams",
-        default=True,
-    )
-
-
-def colours_property():
-    """Whether colour attributes are carried over."""
-    return BoolProperty(
-        name="Colors", description="All color attributes, of vertices and of face corners", default=True
-    )
+from .ticks import LissomTick
+from .transfer_options import (
+    check_property,
+    closest_property,
+    colours_property,
+    contact_property,
+    drivers_property,
+    drop_empty_property,
+    edited_property,
+    exists_property,
+    face_names_property,
+    groups_property,
+    marker_tolerance_property,
+    mask_property,
+    match_distance_property,
+    overlap_property,
+    scale_property,
+    unmatched_property,
+    uv_maps_property,
+)
 
 
 def _is_mesh(_, obj):
     return obj.type == "MESH"
-
-
-def _at_vertex(side):
-    """Puts a mark on the vertex whose number was changed by hand."""
-
-    def update(row, _):
-        obj, vertex = getattr(row.id_data.lissom_transfer, side), getattr(row, side)
-        row.put(side, Point.at(vertex), rest_place(obj.data, vertex) if obj else None)
-        redraw_views()
-
-    return update
-
-
-class LissomMarker(bpy.types.PropertyGroup):
-    """One marker pair, as core.markers.Marker has it; weights are 0 where a point is at its vertex.
-
-    Its places, of the points at rest, survive edits of the meshes.
-    """
-
-    name: StringProperty(name="Name", description="What this place is, such as: left corner of the mouth")
-    source: IntProperty(
-        name="Source Vertex", min=0, update=_at_vertex("source"),
-        description="The vertex of the source that the mark is at or nearest to; another one puts it there",
-    )  # fmt: skip
-    target: IntProperty(
-        name="Target Vertex", min=0, update=_at_vertex("target"),
-        description="The vertex of the target that the mark is at or nearest to; another one puts it there",
-    )  # fmt: skip
-    source_corners: IntVectorProperty(size=3)
-    target_corners: IntVectorProperty(size=3)
-    source_weights: FloatVectorProperty(size=3)
-    target_weights: FloatVectorProperty(size=3)
-    number: IntProperty(description="The one that the pair is known by; 0: not numbered yet")
-    source_place: FloatVectorProperty(size=3)
-    target_place: FloatVectorProperty(size=3)
-    guessed: BoolProperty(
-        name="Guessed",
-        description="It lies where the fit has it, and tells the fit nothing until it is confirmed or moved",
-    )
-    source_placed: BoolProperty()
-    target_placed: BoolProperty()
-    mirror: BoolProperty(
-        name="Symmetric",
-        description="Complete this pair on the other side when Mirror is pressed",
-        default=True,
-    )
-
-    def place(self, side):
-        """(x, y, z) at rest on "source" or "target", in the object's coordinates, or None."""
-        return tuple(getattr(self, f"{side}_place")) if getattr(self, f"{side}_placed") else None
-
-    def point(self, side):
-        """The Point on "source" or "target"."""
-        weights = tuple(getattr(self, f"{side}_weights"))
-        if not any(weights):
-            return Point.at(getattr(self, side))
-        return Point.of(getattr(self, f"{side}_corners"), weights)
-
-    @property
-    def ends(self):
-        """Its points on (source, target)."""
-        return self.point("source"), self.point("target")
-
-    def put(self, side, point, place):
-        """Keeps a point and its place, or that there is none."""
-        if getattr(self, side) != point.vertex:
-            setattr(self, side, point.vertex)
-        setattr(self, f"{side}_corners", point.corners)
-        setattr(self, f"{side}_weights", (0, 0, 0) if point.is_vertex else point.weights)
-        setattr(self, f"{side}_placed", place is not None)
-        if place is not None:
-            setattr(self, f"{side}_place", place)
-
-    def swap(self):
-        """Exchanges its points on source and target."""
-        (source, target), places = self.ends, (self.place("source"), self.place("target"))
-        self.put("source", target, places[1])
-        self.put("target", source, places[0])
-
-
-class LissomLandmark(bpy.types.PropertyGroup):
-    """A named point of a mesh object, and its place at rest in the object's coordinates."""
-
-    name: StringProperty(name="Name")
-    corners: IntVectorProperty(size=3)
-    weights: FloatVectorProperty(size=3)
-    place: FloatVectorProperty(size=3)
-
-
-class LissomCurve(bpy.types.PropertyGroup):
-    """One curve: paths along edges of both meshes by their vertices, and their places at rest as JSON."""
-
-    name: StringProperty(name="Name", description="What this rim is, such as: upper lip")
-    source: StringProperty(description="Vertices of the source, with spaces between")
-    target: StringProperty(description="Vertices of the target, with spaces between")
-    source_places: StringProperty()
-    target_places: StringProperty()
-
-    @property
-    def vertices(self):
-        """(source, target)."""
-        return self.source, self.target
 
 
 class LissomPart(bpy.types.PropertyGroup):
@@ -319,12 +84,6 @@ class LissomKeyQuality(bpy.types.PropertyGroup):
     )
 
 
-class LissomKeyChoice(bpy.types.PropertyGroup):
-    """The name of a shape key that is ticked."""
-
-    name: StringProperty(name="Shape Key")
-
-
 class LissomWritten(bpy.types.PropertyGroup):
     """What a transfer wrote to one shape key; see bridge.written."""
 
@@ -341,15 +100,8 @@ class LissomBaked(bpy.types.PropertyGroup):
     cached: BoolProperty(description="It is a modifier that plays a cache")
 
 
-def _show_key(settings, _):
-    """The key of a row that is clicked becomes the active one of the target, and is shown in a review."""
-    if session.review is not None:
-        session.review.show(settings)
-        return
-    row = settings.quality[settings.active_quality]
-    keys = settings.target.data.shape_keys if settings.target else None
-    if keys and row.name in keys.key_blocks:
-        settings.target.active_shape_key_index = keys.key_blocks.find(row.name)
+def _row_chosen(settings, _):
+    changes.quality_row.tell(settings.id_data)
 
 
 class LissomTransfer(bpy.types.PropertyGroup):
@@ -419,7 +171,7 @@ class LissomTransfer(bpy.types.PropertyGroup):
             ("SELECTED", "Selected", "Only the shape keys that are ticked in the list"),
         ],
     )
-    chosen: CollectionProperty(type=LissomKeyChoice)
+    chosen: CollectionProperty(type=LissomTick)
     overlap: overlap_property()
     marker_tolerance: marker_tolerance_property()
     match_distance: match_distance_property()
@@ -437,8 +189,9 @@ class LissomTransfer(bpy.types.PropertyGroup):
     uv_maps: uv_maps_property()
     colours: colours_property()
     check: check_property()
+    warnings: StringProperty(name="Warnings", description="What the last job had to say, one a line")
     quality: CollectionProperty(type=LissomKeyQuality)
-    active_quality: IntProperty(name="Shape Key", options=set(), update=_show_key)
+    active_quality: IntProperty(name="Shape Key", options=set(), update=_row_chosen)
     quality_order: EnumProperty(
         name="Order",
         description="What the table is sorted by, the worst first",
@@ -477,10 +230,6 @@ def _exchange(row, what):
 
 
 classes = (
-    LissomMarker,
-    LissomLandmark,
-    LissomCurve,
-    LissomKeyChoice,
     LissomPart,
     LissomKeyQuality,
     LissomBaked,
@@ -491,7 +240,6 @@ classes = (
 
 def register():
     bpy.types.Scene.lissom_transfer = PointerProperty(type=LissomTransfer)
-    bpy.types.Object.lissom_landmarks = CollectionProperty(type=LissomLandmark)
     bpy.types.Object.lissom_baked = CollectionProperty(type=LissomBaked)
     bpy.types.Key.lissom_written = CollectionProperty(type=LissomWritten)
 
@@ -499,5 +247,4 @@ def register():
 def unregister():
     del bpy.types.Key.lissom_written
     del bpy.types.Object.lissom_baked
-    del bpy.types.Object.lissom_landmarks
     del bpy.types.Scene.lissom_transfer

@@ -12,16 +12,13 @@ BEGIN, END = "<!-- imports of the extension -->", "<!-- end of the imports of th
 
 # From the ground up; addon/__init__.py is the door. Nothing imports what stands beside it.
 LAYERS = (
-    ("core", "session"),
-    ("bridge", "translations"),
+    ("core", "session", "changes"),
+    ("bridge", "layouts", "translations"),
     ("preferences",),
-    ("live", "drawing", "watch"),
-    ("rebind",),
     ("jobs",),
-    ("properties",),
-    ("panels",),
-    ("operators",),
-    ("commands",),
+    ("live", "watch", "drawing", "properties"),
+    ("rebind",),
+    ("panels", "operators", "commands"),
 )
 
 
@@ -71,13 +68,46 @@ def test_no_modules_import_each_other(graph):
     assert not rings, "\n".join(rings)
 
 
+def test_bridge_and_properties_know_nothing_that_lives_only_in_memory(graph):
+    memory = {"session", "live", "rebind", "watch"}
+    wrong = [
+        f"{module} takes {imported}"
+        for module, imported in own(graph)
+        if part(module) in ("bridge", "properties") and part(imported) in memory
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_commands_run_jobs_alone(graph):
+    taken = {part(imported) for module, imported in own(graph) if part(module) == "commands"}
+    assert taken <= {"jobs", "core", "commands"}, taken
+
+
+def test_operators_take_from_no_operator(graph):
+    """What several share is in modules that register nothing."""
+    wrong = [
+        f"{module} takes {imported}"
+        for module, imported in own(graph)
+        if part(module) == part(imported) == "operators" and registers(imported)
+    ]
+    assert not wrong, "\n".join(wrong)
+    assert registers("addon.operators.pose_bind") and not registers("addon.operators.job")
+
+
+def registers(module):
+    """Whether a module of the extension has classes for Blender."""
+    tree = ast.parse((ROOT / module.replace(".", "/")).with_suffix(".py").read_text())
+    names = [goal.id for node in tree.body if isinstance(node, ast.Assign) for goal in node.targets]
+    return "classes" in names
+
+
 def test_core_knows_numpy_and_lissom_only(graph):
     """So that its tests run anywhere; what lives in the session is plain Python."""
     allowed = {"numpy", "lissom", *sys.stdlib_module_names}
     taken = {
         (module, imported)
         for module in graph.modules
-        if part(module) in ("core", "session")
+        if part(module) in ("core", "session", "changes")
         for imported in graph.find_modules_directly_imported_by(module)
         if not imported.startswith("addon")
     }
@@ -93,6 +123,11 @@ def test_no_operator_is_long():
             if isinstance(node, ast.ClassDef):
                 lengths[node.name] = node.end_lineno - node.lineno + 1
     assert lengths and max(lengths.values()) <= 150, max(lengths.items(), key=lambda item: item[1])
+
+
+def test_no_file_is_long():
+    lengths = {str(file): len(file.read_text().splitlines()) for file in (ROOT / "addon").rglob("*.py")}
+    assert lengths and max(lengths.values()) <= 350, max(lengths.items(), key=lambda item: item[1])
 
 
 def test_the_bridge_alone_moves_arrays_in_and_out_of_blender():

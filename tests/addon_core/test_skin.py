@@ -20,7 +20,7 @@ def test_the_key_is_shown_as_posed(step):
     skin = Skin.of(rest, look, step)
     np.testing.assert_allclose(skin.maps, maps, atol=1e-9 * max(step, 1 / step) ** 0.5)
     posed = random.normal(size=rest.shape)
-    kept = np.setdiff1d(np.arange(500), skin.flat())
+    kept = np.setdiff1d(np.arange(500), skin.flat)
     np.testing.assert_allclose(look(skin.key(posed))[kept], posed[kept], atol=1e-6)
     assert len(kept) > 480
 
@@ -29,7 +29,7 @@ def test_what_is_collapsed_is_told_and_rests():
     random = np.random.default_rng(4)
     rest, _, look = skinned(random, 50, flat=(3, 17))
     skin = Skin.of(rest, look, 1.0)
-    assert {3, 17} <= set(skin.flat().tolist())
+    assert {3, 17} <= set(skin.flat.tolist())
     key = skin.key(random.normal(size=rest.shape))
     assert np.isfinite(key).all() and np.array_equal(key[[3, 17]], rest[[3, 17]])
 

@@ -89,6 +89,8 @@ def _literals(tree):
             continue
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
             continue
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
+            continue
         waiting += ast.iter_child_nodes(node)
 
 

@@ -7,11 +7,11 @@ import lissom
 import numpy as np
 import pytest
 import scene
-from bl_ext.user_default.lissom.bridge import arcs, meshes, sliders
+from bl_ext.user_default.lissom.bridge import meshes, sliders
 from bl_ext.user_default.lissom.core import hat
-from bl_ext.user_default.lissom.core.inbetween import Asked
+from bl_ext.user_default.lissom.core.inbetween import ArcAsked
 from bl_ext.user_default.lissom.core.refused import Refused
-from bl_ext.user_default.lissom.core.work import Work
+from bl_ext.user_default.lissom.jobs.bake import Bake
 from bl_ext.user_default.lissom.properties import inbetween as properties
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -621,11 +621,11 @@ class Running:
     """An operator between ``begin`` and ``finish``, as the timer has it."""
 
     def __init__(self, obj, **settings):
-        self.baking = arcs.Baking(obj, Asked(end="full", **settings))
-        self.work = Work(self.baking.steps())
+        self.bake = Bake(bpy.context, ArcAsked(object=obj.name, end="full", **settings))
+        self.work = self.bake.work
 
     def finish(self):
-        return self.baking.write(self.work.wait())
+        return self.bake.write(bpy.context, self.work.wait())
 
 
 def test_row_40_cancelled_nothing_is_changed():

@@ -46,7 +46,7 @@ def test_ticks_choose_and_scripts_name():
     assert settings.chosen.keys() == ["full"]
     bpy.ops.lissom.inbetween_choose(object=obj.name, action="NONE")
     assert not len(settings.chosen)
-    with scene.refused("No arc can lead to a shape key named 'none'"):
+    with scene.refused("no shape key named 'none' to tick"):
         bpy.ops.lissom.inbetween_choose(object=obj.name, action="TOGGLE", key="none")
     bpy.ops.lissom.inbetween_bake_all(object=obj.name, keys="full", count=1)
     assert sliders(obj) == ["full arc"]

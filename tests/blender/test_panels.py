@@ -91,7 +91,9 @@ def draw(cls, *arguments, closed=False):
     """Draws a panel, a menu or a list's row; returns what was drawn. ``closed``: with subpanels closed."""
     drawn = nothing_drawn(closed)
     layout = Layout(drawn)
-    members = {name: member for name, member in vars(cls).items() if isinstance(member, types.FunctionType)}
+    own = [*(base for base in reversed(cls.__mro__[1:]) if base.__module__.startswith("bl_ext")), cls]
+    members = {name: member for base in own for name, member in vars(base).items()}
+    members = {name: one for name, one in members.items() if isinstance(one, types.FunctionType | str)}
     stub = type("Stub", (), members)()
     stub.layout = layout
     if arguments:

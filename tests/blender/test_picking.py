@@ -41,7 +41,7 @@ def two(make, apart=50):
 
 def stage(shown):
     graph = bpy.context.evaluated_depsgraph_get()
-    return picking.Stage(bpy.context.scene, graph, shown, None)
+    return picking.Stage(bpy.context.scene, graph, shown, None, session.picking)
 
 
 def world(obj, point):
@@ -213,7 +213,7 @@ def test_numbers_and_names_never_change():
     assert [(row.number, row.name) for row in rows] == [(1, "Marker 1"), (2, "Marker 2"), (3, "Marker 3")]
     session.picking = Picking()
     session.picking.take("source", Point.at(5))
-    assert [m.number for m in markers.marks_of(bpy.context.scene)] == [1, 1, 2, 2, 3, 3, 4]
+    assert [m.number for m in markers.marks_of(bpy.context.scene, session.picking)] == [1, 1, 2, 2, 3, 3, 4]
     assert bpy.ops.lissom.marker_remove(index=1) == {"FINISHED"}
     assert [m.number for m in markers.marks_of(bpy.context.scene)] == [1, 1, 3, 3, 4]
     session.picking = None

@@ -11,6 +11,8 @@ import scene
 from bl_ext.user_default.lissom import live, rebind, session
 from bl_ext.user_default.lissom.bridge import meshes, poses
 from bl_ext.user_default.lissom.core.refused import Refused
+from bl_ext.user_default.lissom.jobs.bound import follow
+from bl_ext.user_default.lissom.jobs.pose import Bind, bind_asked
 from mathutils import Euler, Matrix, Vector
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -184,7 +186,7 @@ def test_a_window_binds_anew_beside_blender(monkeypatch):
         pass
     assert_array_equal(scene.key_points(obj, PREVIEW), before)
     bpy.context.view_layer.update()
-    live.update(obj)
+    follow(obj)
     expected = native(obj, transforms, method="thin_shell", k_s=4.0, k_b=0.3)
     assert_allclose(scene.shown(obj), expected, atol=2e-5)
     assert np.abs(expected - before).max() > 1e-3
@@ -199,14 +201,10 @@ def test_row_42_handles_or_faces_changed_while_bind_is_under_way():
         (lambda: reverse_a_face(obj), "was changed meanwhile"),
         (lambda: bpy.data.objects.remove(obj), "'Tube' is gone"),
     ):
-        operator = types.SimpleNamespace(
-            object="Tube", stands=True, company="", asked=lambda: poses.asked(obj.lissom_pose)
-        )
-        kind = bpy.types.LISSOM_OT_pose_bind
-        work = kind.begin(operator, bpy.context)
+        bind = Bind(bpy.context, bind_asked(obj))
         change()
         with pytest.raises(Refused, match=message):
-            kind.finish(operator, bpy.context, work.wait())
+            bind.write(bpy.context, bind.work.wait())
         assert "Tube" not in bpy.data.objects or obj.data.shape_keys is None
 
 
@@ -358,7 +356,7 @@ def test_a_solve_within_a_budget_goes_on_until_it_has_converged():
     bpy.context.view_layer.update()
     obj.lissom_pose.live = True
     rounds = 1
-    while live.update(obj, 1e-9):  # a few iterations at a time
+    while follow(obj, 1e-9):  # a few iterations at a time
         rounds += 1
         assert rounds < 500
     assert rounds > 3
@@ -731,7 +729,7 @@ def test_what_is_seen_and_not_posed_is_said_at_bind(seen, capfd):
     assert bpy.ops.lissom.pose_bind(object=obj.name, stands=False) == {"FINISHED"}
     said = capfd.readouterr().out
     assert ("The pose starts from the Basis" in said) == moved_now
-    assert ("The pose starts from the Basis" in session.status[obj.name][1]) == moved_now
+    assert ("The pose starts from the Basis" in obj.lissom_pose.warnings) == moved_now
     assert moved_now == (seen in ("key", "pose", "constraint", "smooth"))
     bpy.ops.lissom.pose_unbind(object=obj.name)
     bpy.ops.lissom.pose_bind(object=obj.name)
@@ -802,10 +800,10 @@ def test_a_bug_in_live_is_told_once(monkeypatch):
     obj = scene.bound_tube()
     monkeypatch.setattr(poses, "motion", lambda _: 1 / 0)
     with pytest.raises(ZeroDivisionError):
-        live.update(obj)
+        follow(obj)
     assert not obj.lissom_pose.live
     assert "Live is off after an error: division by zero" in session.status[obj.name][1]
-    assert not live.update(obj)
+    assert not follow(obj)
 
 
 def duplicate(obj, linked):

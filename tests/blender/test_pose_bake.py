@@ -4,8 +4,8 @@ import bpy
 import numpy as np
 import pytest
 import scene
-from bl_ext.user_default.lissom import live
 from bl_ext.user_default.lissom.bridge import poses
+from bl_ext.user_default.lissom.jobs.bound import follow
 from mathutils import Matrix, Quaternion
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -103,7 +103,7 @@ def live_shapes(obj):
     found = []
     for frame in FRAMES:
         bpy.context.scene.frame_set(frame)
-        live.update(obj)
+        follow(obj)
         found.append(scene.shown(obj))
     bpy.context.scene.frame_set(FRAMES[0])
     return np.array(found)

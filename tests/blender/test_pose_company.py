@@ -159,3 +159,20 @@ def test_what_cannot_go_along_is_said():
     with scene.refused("There is no further object 0"):
         bpy.ops.lissom.pose_company(object=obj.name, remove=0)
     bpy.ops.lissom.pose_unbind(object=other.name)
+
+
+@pytest.mark.parametrize("purged", [False, True])
+def test_a_further_object_that_is_deleted_leaves_the_pose_whole(purged):
+    obj, eye, cloth = dressed()
+    if purged:
+        bpy.data.objects.remove(eye)
+    else:
+        bpy.context.collection.objects.unlink(eye)
+    bend(obj)
+    assert np.linalg.norm(world(obj)[-1] - scene.key_points(obj, "Basis")[-1]) > 1
+    assert nearest(world(cloth), world(obj)).max() < 0.2, "the other one still goes along"
+    bpy.ops.lissom.pose_apply(object=obj.name, name="Bent")
+    assert "Bent" in cloth.data.shape_keys.key_blocks
+    bpy.ops.lissom.pose_unbind(object=obj.name)
+    bpy.ops.lissom.pose_bind(object=obj.name)
+    assert [row.object for row in obj.lissom_pose.company] == [cloth]

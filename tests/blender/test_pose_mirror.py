@@ -179,12 +179,12 @@ def test_a_mirror_about_another_object_or_with_bisect_is_told_at_bind():
     modifier = obj.modifiers["Mirror"]
     modifier.mirror_object = bpy.data.objects.new("Centre", None)
     bpy.ops.lissom.pose_bind(object=obj.name)
-    assert "mirrors about 'Centre': clear its Mirror Object" in session.status[obj.name][1]
+    assert "mirrors about 'Centre': clear its Mirror Object" in obj.lissom_pose.warnings
     bpy.ops.lissom.pose_unbind(object=obj.name)
     modifier.mirror_object = None
     modifier.use_bisect_axis = (True, False, False)
     bpy.ops.lissom.pose_bind(object=obj.name)
-    assert "turn off Bisect" in session.status[obj.name][1]
+    assert "turn off Bisect" in obj.lissom_pose.warnings
 
 
 def test_a_mesh_that_is_not_symmetric_is_refused_and_left_alone():

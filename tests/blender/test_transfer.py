@@ -649,11 +649,13 @@ def test_keys_are_ticked_and_unticked():
     for arguments, expected in (
         ({"action": "ALL"}, ["squash", "ears"]),
         ({"action": "TOGGLE", "key": "squash"}, ["ears"]),
-        ({"action": "TOGGLE", "key": "squash"}, ["ears", "squash"]),
+        ({"action": "TOGGLE", "key": "squash"}, ["squash", "ears"]),
         ({"action": "NONE"}, []),
     ):
         bpy.ops.lissom.transfer_choose(**arguments)
         assert chosen.keys() == expected
+    with scene.refused("no shape key named 'none' to tick"):
+        bpy.ops.lissom.transfer_choose(action="TOGGLE", key="none")
 
 
 def test_the_panels_button_says_what_is_missing():

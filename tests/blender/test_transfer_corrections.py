@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import scene
 from bl_ext.user_default.lissom import commands
-from bl_ext.user_default.lissom.bridge.written import Written, is_edited
+from bl_ext.user_default.lissom.bridge.written import Written
+from bl_ext.user_default.lissom.jobs.corrections import is_edited
 from numpy.testing import assert_allclose, assert_array_equal
 from test_transfer import deltas, monkeys
 

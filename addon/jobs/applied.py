@@ -9,8 +9,7 @@ from mathutils import Euler, Matrix
 
 from .. import session
 from ..core import space
-
-PROBES = 8  # vertices that tell whether the rest shape has moved, and how
+from ..core.pose import PROBES
 
 
 def note(obj):

@@ -1,0 +1,149 @@
+"""Options of fits and transfers as Blender properties, for settings and operators alike."""
+
+from bpy.props import BoolProperty, EnumProperty, StringProperty
+
+from ..core.names import EXISTS_ITEMS
+from ..core.options import option
+from .options import option_property
+
+
+def exists_property(default):
+    """What a key or an attribute gets whose name is taken (row 32)."""
+    return EnumProperty(
+        name="If Exists",
+        description="What to do where one of that name is there already",
+        items=EXISTS_ITEMS,
+        default=default,
+    )
+
+
+def edited_property():
+    """What becomes of keys that the artist has edited since a transfer wrote them."""
+    return EnumProperty(
+        name="Edited Keys",
+        description="What becomes of shape keys that were edited by hand since they were transferred",
+        items=[
+            ("KEEP", "Keep", "They stay as they are"),
+            ("CARRY", "Carry Over", "The new result, with what was changed by hand on top of it"),
+            ("OVERWRITE", "Overwrite", "The new result: what was changed by hand is lost"),
+        ],
+    )
+
+
+def match_distance_property():
+    """The option of the same name of lissom.start_fit."""
+    label = {"label": "Match Distance", "low": 1e-6, "high": 1.0, "soft_high": 0.1}
+    return option_property(option("fit", "match_distance", **label), precision=3)
+
+
+def marker_tolerance_property():
+    """The option of the same name of lissom.start_fit."""
+    label = {"label": "Marker Tolerance", "high": 1.0, "soft_high": 0.1}
+    return option_property(option("fit", "marker_tolerance", **label), precision=3)
+
+
+def closest_property():
+    """The option of the same name of lissom.start_fit."""
+    return option_property(option("fit", "closest", "Tightness", high=1e6), precision=0)
+
+
+def overlap_property():
+    """The option of the same name of lissom.start_fit."""
+    return option_property(option("fit", "overlap", "They Overlap"))
+
+
+def mask_property(side):
+    """A vertex group of the source or the target, for the option of lissom.start_fit of that name."""
+    return StringProperty(
+        name=f"{side} Mask",
+        description=f"Vertex group of the {side.lower()} that matches nothing, such as the inside of the "
+        "mouth. Empty: everything may match",
+    )
+
+
+def unmatched_property():
+    """The option of the same name of lissom.Transfer (row 30)."""
+    labels = {"follow": "Follow", "rest": "Stay"}
+    return option_property(option("transfer", "unmatched", "Loose Parts", labels))
+
+
+def scale_property():
+    """The option of the same name of lissom.Transfer."""
+    labels = {"target": "Target's Size", "source": "As Far"}
+    return option_property(option("transfer", "scale", "Scale", labels))
+
+
+def drivers_property():
+    """What becomes of the drivers of the keys."""
+    return EnumProperty(
+        name="Drivers",
+        description="What becomes of the drivers of the shape keys",
+        items=[
+            ("REWIRE", "To Target", "They come along, and read the target where they read the source", 0),
+            ("KEEP", "As They Are", "They come along, and go on reading the source", 1),
+            ("NONE", "None", "They stay behind: the new keys keep their values", 2),
+        ],
+    )
+
+
+def contact_property():
+    """The option of the same name of lissom.Transfer."""
+    return option_property(option("transfer", "contact", "Contact"))
+
+
+def face_names_property():
+    """Which face keys, and what they are called."""
+    return EnumProperty(
+        name="Names",
+        description="Which keys, and what they are called",
+        items=[
+            ("ARKIT", "ARKit", "The 52 of Apple's ARKit, as Live Link Face and VSeeFace have them"),
+            ("ICT", "ICT", "The 53 of the face that comes along, left and right apart"),
+            ("VRM", "VRM", "The preset expressions of VRM 1.0"),
+            ("VISEMES", "Visemes", "The 15 of Oculus's lip sync"),
+        ],
+    )
+
+
+def drop_empty_property():
+    """Whether keys that move nothing are left out."""
+    return BoolProperty(
+        name="Drop Empty",
+        description="Leave out shape keys that do not move the target. Further objects of the target get "
+        "only those that move them in any case",
+    )
+
+
+def check_property():
+    """Whether the quality of each key is found."""
+    return BoolProperty(
+        name="Check Quality",
+        description="Judge every key by what one sees, and list which of them deserve a look",
+        default=True,
+    )
+
+
+def groups_property():
+    """Whether vertex groups are carried over."""
+    return BoolProperty(
+        name="Vertex Groups",
+        description="Weights of all vertex groups; each vertex is in no more of them than on the source, "
+        "and their sum is as there",
+        default=True,
+    )
+
+
+def uv_maps_property():
+    """Whether UV maps are carried over."""
+    return BoolProperty(
+        name="UV Maps",
+        description="All UV maps; each face of the target lies on one side of their seams",
+        default=True,
+    )
+
+
+def colours_property():
+    """Whether colour attributes are carried over."""
+    return BoolProperty(
+        name="Colors", description="All color attributes, of vertices and of face corners", default=True
+    )
