@@ -10,6 +10,7 @@ from ..bridge.written import is_edited
 from ..core.colours import LEGEND, LIMIT
 from ..core.refused import Refused
 from .common import BUTTON, Sidebar, draw_fold, draw_lines, split_column
+from .keys import draw_made_keys
 from .quality import draw_quality, draw_review
 
 
@@ -182,6 +183,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         draw[settings.what](layout, settings)
         if settings.what == "KEYS":
             draw_quality(layout, settings)
+            draw_made_keys(layout, settings)
 
     def _draw_face(self, layout, settings):
         """The first offer: no source, no marker."""
