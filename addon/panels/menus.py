@@ -5,6 +5,7 @@ import bpy
 from ..bridge import checks
 from ..translations import translated
 from .inbetween import set_bake
+from .keys import draw_sides
 from .pose import set_bind
 from .transfer import set_transfer
 
@@ -122,6 +123,7 @@ def _draw_keys(menu, context):
     bake.object, bake.end = obj.name, obj.active_shape_key.name
     drive = menu.layout.operator("lissom.pose_drive", icon="DRIVER")
     drive.object, drive.key = obj.name, obj.active_shape_key.name
+    draw_sides(menu.layout, obj)
     settings = context.scene.lissom_transfer
     if settings.source == obj and settings.target is not None:
         transfer = menu.layout.operator(

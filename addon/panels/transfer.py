@@ -8,6 +8,7 @@ from ..jobs.corrections import is_edited
 from ..layouts import split_column
 from .common import Sidebar, draw_fold, draw_lines, draw_warnings
 from .fit import FIT_OPTIONS, draw_fit
+from .keys import draw_made_keys
 from .markers import draw_curves, draw_markers
 from .quality import draw_quality, draw_review
 from .ticks import TickList, draw_ticks
@@ -118,6 +119,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         draw_warnings(layout, settings.warnings, "TRANSFER")
         if settings.what == "KEYS":
             draw_quality(layout, settings)
+            draw_made_keys(layout, settings)
 
     def _draw_face(self, layout, settings):
         """The first offer: no source, no marker."""
