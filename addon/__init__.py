@@ -5,7 +5,7 @@ import pathlib
 import bpy
 import lissom
 
-from . import changes, commands, live, preferences, rebind, session, translations, watch
+from . import changes, commands, live, manual, preferences, rebind, session, translations, watch
 from .core import build
 from .drawing import ghost, guide, marks
 from .jobs import review
@@ -25,6 +25,7 @@ from .operators import (
     pose_drive,
     pose_handles,
     pose_tool,
+    presets,
     transfer_attributes,
     transfer_curves,
     transfer_files,
@@ -46,6 +47,7 @@ from .panels import main as main_panel
 from .panels import markers as marker_panel
 from .panels import menus
 from .panels import pose as pose_panel
+from .panels import presets as preset_menus
 from .panels import quality as quality_panel
 from .panels import transfer as transfer_panel
 from .properties import inbetween as inbetween_properties
@@ -93,6 +95,7 @@ _OPERATORS = (
     inbetween_export,
     inbetween_image,
     warnings,
+    presets,
 )
 _PANELS = (
     main_panel,
@@ -103,7 +106,7 @@ _PANELS = (
     inbetween_panel,
 )  # in the order of the tab
 _DRAWING = (ghost, marks, guide)
-_MODULES = (ticks, *_PROPERTIES, *_OPERATORS, *_PANELS, menus, preferences)
+_MODULES = (ticks, *_PROPERTIES, *_OPERATORS, preset_menus, *_PANELS, menus, preferences)
 _CLASSES = [cls for module in _MODULES for cls in module.classes]
 
 
@@ -112,6 +115,7 @@ def register():
     if session.other_build:
         print(f"Lissom: {build.MESSAGE}")
     translations.register()
+    manual.register()
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     for module in _PROPERTIES:
@@ -143,4 +147,5 @@ def unregister():
         module.unregister()
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)
+    manual.unregister()
     translations.unregister()

@@ -8,7 +8,7 @@ from ..layouts import TAB
 from ..translations import translated
 
 # Pixels at a scale of 1: the sidebar as Blender opens it, and what in it is not text.
-SIDEBAR, MARGINS, ICON, BUTTON = 280, 66, 24, 28
+SIDEBAR, MARGINS, ICON, BUTTON, LABEL = 280, 66, 24, 28, 10
 
 
 class Sidebar:
@@ -21,6 +21,46 @@ class Sidebar:
     @classmethod
     def poll(cls, context):
         return context.window_manager.lissom_page == cls.page
+
+
+def labelled(layout, label, labels=(), name="", beside=0):
+    """A row for a long name, whose label takes no more room than the longest of ``labels``.
+
+    Where ``name`` would be cut with ``beside`` of pixels at a scale of 1 next to it, the label stands above.
+    """
+    widest = max(map(_width, map(translated, (label, *labels))))
+    if name and _width(name) > _room(beside + LABEL) - widest:
+        column = layout.column(align=True)
+        if label:
+            column.label(text=label)
+        return column.row(align=True)
+    split = layout.split(factor=min((widest + LABEL * _scale()) / _room(0), 0.45))
+    side = split.row()
+    side.alignment = "RIGHT"
+    side.label(text=label)
+    return split.row(align=True)
+
+
+def side_by_side(layout, *texts):
+    """A row for buttons with icons, or a column where these texts of theirs would be cut in it."""
+    widest = len(texts) * max((translated(text) for text in texts), key=_width)  # a row shares alike
+    return layout.row(align=True) if fits(widest, len(texts) * ICON) else layout.column(align=True)
+
+
+def shares(texts):
+    """(place, part of what is left of a row) of buttons, each as wide as its text needs."""
+    needed = [_width(translated(text)) + ICON * _scale() for text in texts]
+    return [(place, own / max(sum(needed[place:]), 1.0)) for place, own in enumerate(needed)]
+
+
+def name_part(name, beside):
+    """The part of a list's row that a whole name needs, with ``beside`` of pixels at a scale of 1."""
+    return min((_width(name) + beside * _scale()) / _room(0), 0.85)
+
+
+def fits(text, beside):
+    """Whether a text has room in one line of the sidebar, ``beside`` so many pixels at a scale of 1."""
+    return _width(text) <= _room(beside)
 
 
 def draw_fold(layout, name, label):
@@ -57,14 +97,17 @@ def draw_warnings(layout, warnings, page, name="", slider=""):
 
 def _room(beside):
     """Pixels that a line of text has in the sidebar beside its tabs and margins, and something else."""
-    scale = bpy.context.preferences.system.ui_scale
+    scale = _scale()
     region = bpy.context.region
     width = region.width if region is not None and region.type == "UI" else SIDEBAR * scale
-    return width - (MARGINS + beside) * scale
+    return max(width - (MARGINS + beside) * scale, 1.0)
+
+
+def _scale():
+    return bpy.context.preferences.system.ui_scale
 
 
 def _width(text):
     """Pixels that Blender's own font needs for a text."""
-    preferences = bpy.context.preferences
-    blf.size(0, preferences.ui_styles[0].widget.points * preferences.system.ui_scale)
+    blf.size(0, bpy.context.preferences.ui_styles[0].widget.points * _scale())
     return blf.dimensions(0, text)[0]

@@ -3,7 +3,7 @@
 from .. import session
 from ..bridge import colours
 from ..core.colours import LEGEND, LIMIT
-from .common import BUTTON, draw_lines
+from .common import BUTTON, draw_lines, side_by_side
 
 FIT_OPTIONS = ("overlap", "marker_tolerance", "match_distance", "closest", "source_mask", "target_mask")
 
@@ -38,7 +38,7 @@ def draw_fit(layout, context):
     if not current:
         draw_lines(layout, "INFO", "The markers were changed since the last fit: Transfer fits again")
     draw_lines(layout, "CHECKMARK" if current and not grave else "NONE", memory.summary)
-    row = layout.row(align=True)
+    row = side_by_side(layout, "Show Fit", "Suggest Marker")
     shown = any(map(colours.shown, filter(None, (settings.source, settings.target))))
     row.operator(
         "lissom.fit_show", text="Hide Fit" if shown else "Show Fit", icon="COLOR", depress=shown

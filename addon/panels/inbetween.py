@@ -7,8 +7,14 @@ from ..bridge import arcs, checks, sliders
 from ..drawing import ghost
 from ..layouts import split_column
 from ..properties.inbetween import SETTINGS, PathSettings
-from .common import Sidebar, draw_fold, draw_lines, draw_warnings
+from ..translations import translated
+from .common import Sidebar, draw_fold, draw_lines, draw_warnings, fits, labelled
+from .presets import draw_presets
 from .ticks import TickList, draw_ticks
+
+ENDS = ("From", "To")
+BESIDE_NAME = 35  # pixels: an icon and a button
+ARC_BUTTONS = 150  # pixels of what stands beside a slider's name: its value and its buttons
 
 
 def set_bake(button, obj):
@@ -68,24 +74,28 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
                 layout, "INFO", "This mesh has no shape keys yet: sculpt one, or pose one and press Apply"
             )
             return
-        column = split_column(layout)
-        column.prop(
-            settings, "start", text="From" if settings.start else "From (Basis)", icon="SHAPEKEY_DATA"
-        )
+        row = labelled(layout, "From", ENDS, settings.start, BESIDE_NAME)
+        row.prop(settings, "start", text="", icon="SHAPEKEY_DATA", placeholder=translated("Basis"))
         if settings.several:
             for button in draw_ticks(layout, "LISSOM_UL_arc_keys", obj, "lissom.inbetween_choose", 5):
                 button.object = obj.name
         else:
-            column.prop(settings, "end", icon="SHAPEKEY_DATA")
+            labelled(layout, "To", ENDS, settings.end, BESIDE_NAME).prop(
+                settings, "end", text="", icon="SHAPEKEY_DATA"
+            )
         column = split_column(layout)
         column.prop(settings, "several")
         column.prop(settings, "sampling")
-        column.prop(settings, "tolerance" if settings.sampling == "TOLERANCE" else "count")
+        if settings.sampling == "TOLERANCE":
+            column.prop(settings, "tolerance")
+        else:
+            column.prop(settings, "count", text="Number")
         column.prop(settings, "easing")
         if not settings.several:
             column.prop(settings, "slider", placeholder=f"{settings.end} arc" if settings.end else "")
         body = draw_fold(layout, "arc_options", "Options")
         if body:
+            draw_presets(body, "inbetween")
             column = split_column(body)
             for name in (*PathSettings.__annotations__, "playback", "reroute"):
                 column.prop(settings, name)
@@ -125,6 +135,9 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
             if arc.name in stale:
                 row.label(text="", icon="ERROR")
             row.prop(obj, sliders.data_path(arc.name), text=arc.name, translate=False, slider=True)
+            if not fits(arc.name, ARC_BUTTONS):
+                row = layout.row(align=True)
+                row.alignment = "RIGHT"
             second = row.operator("lissom.inbetween_second_image", text="", icon="IMAGE_DATA")
             second.object, second.slider = obj.name, arc.name
             for action, icon in (("rebake", "FILE_REFRESH"), ("rename", "GREASEPENCIL"), ("remove", "X")):

@@ -5,8 +5,9 @@ import bpy
 from .. import session
 from ..core import build
 from ..layouts import TAB
+from ..properties.main import PAGES
 from ..translations import translated
-from .common import draw_lines
+from .common import draw_lines, shares
 
 
 class LISSOM_PT_main(bpy.types.Panel):
@@ -30,7 +31,10 @@ class LISSOM_PT_main(bpy.types.Panel):
             fraction, stage = session.work.progress
             row.progress(factor=fraction, text=translated(f"{stage} (ESC cancels)"))
             return
-        row.prop(context.window_manager, "lissom_page", expand=True)
+        for page, part in shares([label for _, label, _ in PAGES]):  # prop(expand=True) would cut the longest
+            split = row.split(factor=part, align=True)
+            split.prop_enum(context.window_manager, "lissom_page", PAGES[page][0])
+            row = split.row(align=True)
 
 
 classes = (LISSOM_PT_main,)

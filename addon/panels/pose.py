@@ -8,7 +8,8 @@ from ..core.pose_options import METHODS
 from ..jobs.pose import bind_asked
 from ..layouts import draw_options, split_column
 from ..translations import translated
-from .common import Sidebar, draw_fold, draw_lines, draw_warnings
+from .common import Sidebar, draw_fold, draw_lines, draw_warnings, labelled, side_by_side
+from .presets import draw_presets
 
 METHOD_LINES = {name: line for name, _, line in METHODS}
 
@@ -115,8 +116,7 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         region = row.operator("lissom.pose_region_from_selection", text="", icon="ADD")
         region.object = obj.name
         column.separator()
-        row = column.row(align=True)
-        row.label(text="Handles:")
+        row = labelled(column, "Handles:")
         row.operator("wm.tool_set_by_id", text="On the Mesh", icon="BRUSH_DATA").name = "lissom.pose_tool"
         row = column.row()
         row.template_list("LISSOM_UL_handles", "", settings, "handles", settings, "active_handle", rows=3)
@@ -165,6 +165,7 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
             draw_lines(column, "ARMATURE_DATA", "Posed as it stands: Apply goes back through the modifiers")
         body = draw_fold(layout, "pose_options", "Options")
         if body:
+            draw_presets(body, "pose")
             options = settings.options
             column = split_column(body)
             base = options.multiresolution.base
@@ -176,7 +177,7 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
 
     def _draw_bound(self, layout, obj, settings):
         layout.separator(factor=0.5)
-        row = layout.row(align=True)
+        row = side_by_side(layout, "Live", "Update", "Reset")
         row.prop(settings, "live", toggle=True, icon="PLAY")
         row.operator("lissom.pose_update", icon="FILE_REFRESH").object = obj.name
         row.operator("lissom.pose_reset", text="Reset", icon="LOOP_BACK").object = obj.name
@@ -189,7 +190,7 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         layout.separator()
         box = layout.column(align=True)
         box.prop(settings, "key_name", icon="SHAPEKEY_DATA", text="")
-        row = box.row(align=True)
+        row = side_by_side(box, "Apply", "And Next")
         row.scale_y = 1.4
         apply = row.operator("lissom.pose_apply", text="Apply", icon="CHECKMARK")
         apply.object, apply.name = obj.name, settings.key_name

@@ -5,8 +5,9 @@ import bpy
 from ..core.quality import ORDERS, badness
 from ..jobs.corrections import is_edited
 from ..translations import translated
-from .common import draw_lines
+from .common import draw_lines, fits, labelled, name_part
 
+BESIDE, LIST = 34, 30  # pixels: the verdict before a name, and what a list has beside its rows
 VERDICT_ICONS = {"good": "CHECKMARK", "look": "INFO", "bad": "ERROR"}
 
 
@@ -16,15 +17,16 @@ class LISSOM_UL_quality(bpy.types.UIList):
     bl_idname = "LISSOM_UL_quality"
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property):
-        row = layout.row(align=True)
-        row.alert = item.verdict == "bad"
-        row.label(text=item.name, translate=False, icon=VERDICT_ICONS[item.verdict])
+        split = layout.split(factor=name_part(item.name, BESIDE))
+        split.alert = item.verdict == "bad"
+        split.label(text=item.name, translate=False, icon=VERDICT_ICONS[item.verdict])
+        row = split.row(align=True)
+        row.alignment = "RIGHT"
         if data.target is not None and is_edited(data.target, item.name):
             row.label(text="", icon="SCULPTMODE_HLT")
-        if data.quality_order != "verdict":  # the reasons of the active row are below the table
-            said = row.row()
-            said.alignment = "RIGHT"
-            said.label(text=translated(ORDERS[data.quality_order][1](item)), translate=False)
+        said = _said(data, item)
+        if said and fits(item.name + said, BESIDE + LIST):  # else below the table, for the active row
+            row.label(text=said, translate=False)
 
     def filter_items(self, context, data, property_name):
         rows = getattr(data, property_name)
@@ -38,6 +40,12 @@ class LISSOM_UL_quality(bpy.types.UIList):
         )
 
 
+def _said(settings, row):
+    """What the table is sorted by, of a row; "" for the verdict, which has a sign."""
+    order = settings.quality_order
+    return "" if order == "verdict" else translated(ORDERS[order][1](row))
+
+
 def draw_quality(layout, settings):
     """The table, the review of it, and its file."""
     if not len(settings.quality):
@@ -45,8 +53,8 @@ def draw_quality(layout, settings):
     row = layout.row()
     row.scale_y = 1.4
     row.operator("lissom.review", icon="VIS_SEL_11")
-    row = layout.row(align=True)
-    row.prop(settings, "quality_order", text="Worst by")
+    row = labelled(layout, "Worst by")
+    row.prop(settings, "quality_order", text="")
     row.operator("lissom.quality_save", text="", icon="EXPORT")
     _draw_table(layout, settings, 5)
 
@@ -68,6 +76,9 @@ def _draw_table(layout, settings, rows):
     if settings.active_quality >= len(settings.quality):
         return
     active = settings.quality[settings.active_quality]
+    said = _said(settings, active)
+    if said and not fits(active.name + said, BESIDE + LIST):
+        draw_lines(layout, "NONE", said)
     for reason in active.reasons.splitlines():
         said = translated(reason)
         draw_lines(layout, VERDICT_ICONS[active.verdict], said[:1].upper() + said[1:])

@@ -6,10 +6,12 @@ from .. import session
 from ..bridge import shape_keys
 from ..jobs.corrections import is_edited
 from ..layouts import split_column
-from .common import Sidebar, draw_fold, draw_lines, draw_warnings
+from ..translations import translated
+from .common import ICON, Sidebar, draw_fold, draw_lines, draw_warnings, fits, labelled
 from .fit import FIT_OPTIONS, draw_fit
 from .keys import draw_made_keys
 from .markers import draw_curves, draw_markers
+from .presets import draw_presets
 from .quality import draw_quality, draw_review
 from .ticks import TickList, draw_ticks
 
@@ -62,6 +64,10 @@ def set_transfer(button, settings, what):
         button.output, button.cache_path = settings.bake_output, settings.bake_path
 
 
+SIDES = ("Source", "Target")
+BESIDE_NAME = 50  # pixels: an icon and two buttons
+
+
 class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
     """Carry the shape keys of one mesh over to another of different topology."""
 
@@ -77,12 +83,14 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             draw_review(layout, settings)
             return
         for side in ("source", "target"):
-            row = layout.row(align=True)
-            split_column(row).prop(settings, side, icon="OUTLINER_OB_MESH")
+            chosen = getattr(settings, side)
+            row = labelled(layout, side.capitalize(), SIDES, chosen.name if chosen else "", BESIDE_NAME)
+            row.prop(settings, side, text="", icon="OUTLINER_OB_MESH")
             row.operator("lissom.transfer_parts", text="", icon="ADD").side = side.upper()
             for place, part in enumerate(getattr(settings, f"{side}_parts")):
-                row = layout.row(align=True)
-                split_column(row).prop(part, "object", text=" ", icon="OUTLINER_OB_MESH")
+                name = part.object.name if part.object else ""
+                row = labelled(layout, "", SIDES, name, BESIDE_NAME)
+                row.prop(part, "object", text="", icon="OUTLINER_OB_MESH")
                 remove = row.operator("lissom.transfer_parts", text="", icon="REMOVE")
                 remove.side, remove.remove = side.upper(), place
         self._draw_face(layout, settings)
@@ -103,12 +111,13 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             draw_curves(layout, settings)
         body = draw_fold(layout, "fit_options", "Fit Options")
         if body:
+            draw_presets(body, "transfer")
             self._draw_fit_options(split_column(body), settings)
         row = layout.row()
         row.scale_y = 1.4
         set_transfer(row.operator("lissom.transfer_fit", icon="MOD_SHRINKWRAP"), settings, "fit")
         draw_fit(layout, context)
-        layout.row().prop(settings, "what", expand=True)
+        self._draw_what(layout, settings)
         draw = {
             "KEYS": self._draw_keys,
             "POSE": self._draw_pose,
@@ -120,6 +129,16 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         if settings.what == "KEYS":
             draw_quality(layout, settings)
             draw_made_keys(layout, settings)
+
+    def _draw_what(self, layout, settings):
+        """Four buttons in a row, or two rows of two where the sidebar is narrow."""
+        items = settings.bl_rna.properties["what"].enum_items
+        words = "".join(translated(item.name) for item in items)
+        grid = layout.grid_flow(
+            row_major=True, columns=4 if fits(words, 4 * ICON) else 2, even_columns=True, align=True
+        )
+        for item in items:
+            grid.prop_enum(settings, "what", item.identifier)
 
     def _draw_face(self, layout, settings):
         """The first offer: no source, no marker."""

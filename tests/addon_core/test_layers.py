@@ -13,7 +13,7 @@ BEGIN, END = "<!-- imports of the extension -->", "<!-- end of the imports of th
 # From the ground up; addon/__init__.py is the door. Nothing imports what stands beside it.
 LAYERS = (
     ("core", "session", "changes"),
-    ("bridge", "layouts", "translations"),
+    ("bridge", "layouts", "translations", "manual"),
     ("preferences",),
     ("jobs",),
     ("live", "watch", "drawing", "properties"),

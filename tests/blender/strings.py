@@ -15,7 +15,7 @@ UNSEEN = ("commands", "bridge/sheet.py")
 NO_TEXT = re.compile(
     r"^LISSOM_|^Lissom|^[ ,;.]|^of |^3D View$"
     r"|^(OutputMaterial|TexImage|MixShader|Emission)$|^ShaderNode|^Bsdf"
-    r"|_places?\"|^'\{0\}' at |^at the$|^Operator$"
+    r"|_places?\"|^'\{0\}' at |^at the$|^Operator$|^(obj|settings) = "
 )
 PIECES = "core/landmarks.py"  # names that are put together there; they are asked for as wholes
 LEAST = 5  # letters that a template is known by

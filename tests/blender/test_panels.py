@@ -1,5 +1,6 @@
 """The panels are drawn onto a layout that checks every call against this Blender's own UILayout."""
 
+import importlib
 import types
 
 import bpy
@@ -14,7 +15,7 @@ from test_transfer import monkeys
 
 FUNCTIONS = bpy.types.UILayout.bl_rna.functions
 ICONS = {item.identifier for item in FUNCTIONS["label"].parameters["icon"].enum_items}
-LAYOUTS = {"row", "column", "box", "split"}
+LAYOUTS = {"row", "column", "box", "split", "grid_flow"}
 
 
 class Operator:
@@ -62,7 +63,7 @@ class Layout:
             return Layout(self._drawn), None if self._drawn["closed"] else Layout(self._drawn)
         if name == "operator":
             return Operator(given["operator"], self._drawn["operators"])
-        if name in ("prop", "prop_search") and not given["property"].startswith("["):
+        if name in ("prop", "prop_enum", "prop_search") and not given["property"].startswith("["):
             assert given["property"] in given["data"].bl_rna.properties, given["property"]
             self._drawn["settings"].append(given["property"])
         if name == "prop_search":
@@ -382,7 +383,7 @@ def test_how_sure_a_fit_without_markers_is(panels):
 ARC = ("start", "end", "slider", *SETTINGS)
 
 
-def test_the_table_of_quality_tells_verdicts_and_reasons(panels):
+def test_the_table_of_quality_tells_verdicts_and_reasons(panels, monkeypatch):
     settings = bpy.context.scene.lissom_transfer
     settings.source, settings.target = scene.tube(name="Source"), scene.tube(name="Target")
     for name, verdict, reasons in (
@@ -404,7 +405,13 @@ def test_the_table_of_quality_tells_verdicts_and_reasons(panels):
         for row in settings.quality:
             assert draw(kind, settings, row, 0, None, "")["labels"][0] == row.name
     settings.quality_order = "strength"
+    common = importlib.import_module("bl_ext.user_default.lissom.panels.common")
+    monkeypatch.setattr(common, "_width", lambda text: 7 * len(text))  # Blender as a module has no font
+    monkeypatch.setattr(common, "_scale", lambda: 1.0)
     assert draw(kind, settings, row, 0, None, "")["labels"][1].endswith("as far")
+    row.name = 20 * "long"  # beside it there is no room: below the table, for the active row
+    assert draw(kind, settings, row, 0, None, "")["labels"] == [row.name]
+    assert "0% as far" in text(draw(panels["transfer"]))
 
 
 def test_inbetween_passes_its_settings_on_and_shows_sliders(panels):
@@ -421,6 +428,21 @@ def test_inbetween_passes_its_settings_on_and_shows_sliders(panels):
     for action in ("rebake", "rename", "remove"):
         given = drawn["operators"][f"lissom.inbetween_{action}"]
         assert given == [{"object": "Tube", "slider": "K arc"}]
+
+
+def test_names_have_the_room_that_they_need(monkeypatch):
+    common = importlib.import_module("bl_ext.user_default.lissom.panels.common")
+    monkeypatch.setattr(common, "_width", lambda text: 7 * len(text))  # Blender as a module has no font
+    monkeypatch.setattr(common, "_scale", lambda: 1.0)
+    name, room = "mouthSmileLeft", common._room(0)
+    assert 7 * len(name) + 34 <= common.name_part(name, 34) * room < room
+    assert common.name_part(5 * name, 34) == 0.85  # what is measured stays in sight
+    layout = types.SimpleNamespace(row=lambda **_: "row", column=lambda **_: "column")
+    assert common.side_by_side(layout, "Apply", "And Next") == "row"
+    assert common.side_by_side(layout, "Show Fit", "Suggest Marker") == "column"
+    parts = [part for _, part in common.shares(["Pose", "Transfer", "In-between"])]
+    assert parts[0] < 1 / 3 < parts[1] < 1 / 2 and parts[2] == 1.0
+    assert common.fits(name, 0) and not common.fits(5 * name, 0) and not common.fits(name, room - 50)
 
 
 def test_several_arcs_are_ticked_and_baked_by_one_button(panels):
@@ -445,7 +467,7 @@ def test_work_is_shown_on_top_in_place_of_the_pages(monkeypatch):
         yield scene.Pause(0.5, "halfway")
 
     main = bpy.types.LISSOM_PT_main
-    assert draw(main)["settings"] == ["lissom_page"]
+    assert draw(main)["settings"] == 3 * ["lissom_page"]
     monkeypatch.setattr(session, "work", Work(steps()))
     drawn = draw(main)
     assert "halfway (ESC cancels)" in text(drawn) and not drawn["settings"]

@@ -16,7 +16,17 @@ def test_the_package_registers_twice(addon):
     assert hasattr(bpy.types.Object, "lissom_pose")
 
 
-APART = ("marker_pick", "marker_views", "page_show", "pose_touch", "review", "review_mend")
+APART = (
+    "marker_pick",
+    "marker_views",
+    "page_show",
+    "preset_pose",
+    "preset_transfer",
+    "preset_inbetween",
+    "pose_touch",
+    "review",
+    "review_mend",
+)
 
 
 def test_every_operator_can_be_undone_and_repeated(addon):
@@ -30,6 +40,7 @@ def test_every_operator_can_be_undone_and_repeated(addon):
 
 def test_every_property_says_what_it_is(addon):
     inherited = {"filepath", "check_existing", "filter_glob"}  # of bpy_extras.io_utils
+    inherited |= {"remove_name", "remove_active"}  # of bl_operators.presets
     for cls in own_classes(addon):
         if not issubclass(cls, bpy.types.Operator):
             continue
