@@ -34,6 +34,10 @@ pub const REGULARIZED: &str = "the system is singular to rounding, and a little 
 /// Columns solved together by one thread; more share each pass over the factor.
 const COLUMNS_AT_ONCE: usize = 8;
 
+/// Into how many shares columns fall where there are not enough for more. How many columns are solved together shows in
+/// the last bits of each, so it must not depend on the threads that there are.
+const SHARES: usize = 2;
+
 /// The order of elimination and the pattern of the factor: the part of the work that depends on the
 /// pattern of the matrix alone. Cheap to clone.
 #[derive(Debug, Clone)]
@@ -207,8 +211,7 @@ impl Factor {
         if self.size() == 0 {
             return;
         }
-        let threads = rayon::current_num_threads().max(1);
-        let at_once = columns.count().div_ceil(threads).clamp(1, COLUMNS_AT_ONCE);
+        let at_once = columns.count().div_ceil(SHARES).clamp(1, COLUMNS_AT_ONCE);
         let llt = LltRef::new(&self.symbolic.0, &self.values);
         columns.data_mut().par_chunks_mut(at_once * self.size()).for_each(|chunk| {
             let count = chunk.len() / self.size();

@@ -2,8 +2,10 @@
 //!
 //! [`SymmetricMatrix`] -> [`Symbolic`] (the order of elimination, reusable for every matrix of the
 //! same pattern) -> [`Factor`] -> solve for any number of right-hand sides.
-//! [`ConstrainedSystem`] puts hard and soft constraints around it.
+//! [`ConstrainedSystem`] puts hard and soft constraints around it. A [`SplitMatrix`] keeps rows apart whose products
+//! would fill it.
 
+mod apart;
 mod columns;
 mod constraints;
 pub mod dense;
@@ -12,6 +14,7 @@ mod matrix;
 mod normal;
 mod system;
 
+pub use apart::{SplitMatrix, long_rows};
 pub use constraints::Constraints;
 pub use factor::{Factor, REGULARIZED, Symbolic};
 pub use matrix::SymmetricMatrix;

@@ -4,11 +4,12 @@
 
 use rayon::prelude::*;
 
+use super::apart::{Correction, SplitMatrix};
 use super::columns::Columns;
 use super::constraints::Constraints;
 use super::factor::{Factor, Symbolic};
 use super::matrix::SymmetricMatrix;
-use crate::{Job, Result, Vec3};
+use crate::{Error, Job, Result, Vec3};
 
 /// A symmetric system with constraints, factored.
 #[derive(Debug)]
@@ -18,6 +19,8 @@ pub struct ConstrainedSystem {
     factor: Factor,
     /// Entries that couple a free row to a fixed vertex: (slot, vertex, value).
     coupling: Vec<(u32, u32, f64)>,
+    /// Where rows are kept apart.
+    correction: Option<Correction>,
 }
 
 impl ConstrainedSystem {
@@ -50,7 +53,34 @@ impl ConstrainedSystem {
         };
         job.part("factorization")?;
         let factor = symbolic.factor(&reduced)?;
-        Ok(Self { constraints, symbolic, factor, coupling })
+        Ok(Self { constraints, symbolic, factor, coupling, correction: None })
+    }
+
+    /// The same for a matrix with rows kept apart.
+    ///
+    /// # Errors
+    ///
+    /// As [`ConstrainedSystem::new`].
+    pub fn of_split(matrix: &SplitMatrix, constraints: Constraints, job: &Job) -> Result<Self> {
+        let system = Self::new(&matrix.sparse, constraints.clone(), job);
+        match Self::corrected(system, matrix)? {
+            Some(system) => Ok(system),
+            None => Self::new(&matrix.whole()?, constraints, job),
+        }
+    }
+
+    /// A system of the rest of `matrix`, corrected by what is apart; `None` where the rest is singular without that.
+    fn corrected(rest: Result<Self>, matrix: &SplitMatrix) -> Result<Option<Self>> {
+        match rest {
+            rest if matrix.is_whole() => rest.map(Some),
+            Ok(rest) if rest.factor.is_regularized() => Ok(None),
+            Ok(mut rest) => {
+                rest.correction = Correction::new(matrix, &rest.constraints, &rest.factor)?;
+                Ok(rest.correction.is_some().then_some(rest))
+            }
+            Err(Error::SolveFailed(_)) => Ok(None),
+            Err(error) => Err(error),
+        }
     }
 
     /// The same for a matrix of 3 x 3 blocks, one block row per vertex, where the axes couple: unknown
@@ -59,16 +89,21 @@ impl ConstrainedSystem {
     /// # Errors
     ///
     /// As [`ConstrainedSystem::new`].
-    pub fn of_blocks(matrix: SymmetricMatrix, constraints: &Constraints, job: &Job) -> Result<Self> {
+    pub fn of_split_blocks(matrix: &SplitMatrix, constraints: &Constraints, job: &Job) -> Result<Self> {
+        match Self::corrected(Self::of_blocks(&matrix.sparse, constraints, job), matrix)? {
+            Some(system) => Ok(system),
+            None => Self::of_blocks(&matrix.whole()?, constraints, job),
+        }
+    }
+
+    fn of_blocks(matrix: &SymmetricMatrix, constraints: &Constraints, job: &Job) -> Result<Self> {
         job.part("order of elimination")?;
         let constraints = constraints.of_axes();
-        let (reduced, coupling) = eliminate(&matrix, &constraints);
-        // The factor is about to need the room.
-        drop(matrix);
+        let (reduced, coupling) = eliminate(matrix, &constraints);
         let symbolic = Symbolic::analyse_blocks(&reduced)?;
         job.part("factorization")?;
         let factor = symbolic.factor(&reduced)?;
-        Ok(Self { constraints, symbolic, factor, coupling })
+        Ok(Self { constraints, symbolic, factor, coupling, correction: None })
     }
 
     /// The constraints.
@@ -98,7 +133,7 @@ impl ConstrainedSystem {
             let rhs = rhs.get(set).map(R::as_ref);
             self.reduce(column, |v| rhs.map_or(0.0, |rhs| rhs[v][axis]), |v| x[set][v][axis]);
         });
-        self.factor.solve_columns(&mut reduced);
+        self.back_substitute(&mut reduced);
         x.par_iter_mut().enumerate().for_each(|(k, x)| {
             let [a, b, c] = [0, 1, 2].map(|axis| reduced.column(3 * k + axis));
             for (slot, &v) in free.iter().enumerate() {
@@ -134,7 +169,7 @@ impl ConstrainedSystem {
     /// Stability Analysis of the Method of Seminormal Equations): 1e-7 of the diagonal on 100,000 vertices,
     /// where after one correction 1e-11 is left.
     ///
-    /// The columns are the axes of each set of `x` or, for a system [`of_blocks`](Self::of_blocks), the sets.
+    /// The columns are the axes of each set of `x` or, for a system [of blocks](Self::of_split_blocks), the sets.
     pub fn minimise(&self, x: &mut [Vec<Vec3>], product: impl Fn(&[f64]) -> Vec<f64> + Sync) {
         let rows = self.constraints.vertex_count();
         let blocks = x.first().is_some_and(|set| set.len() != rows);
@@ -174,12 +209,19 @@ impl ConstrainedSystem {
             let (rhs, x) = (rhs.column(c), x.column(c));
             self.reduce(column, |v| rhs[v], |v| x[v]);
         });
-        self.factor.solve_columns(&mut reduced);
+        self.back_substitute(&mut reduced);
         for c in 0..rhs.count() {
             let column = x.column_mut(c);
             for (&v, &value) in free.iter().zip(reduced.column(c)) {
                 column[v as usize] = value;
             }
+        }
+    }
+
+    fn back_substitute(&self, columns: &mut Columns) {
+        self.factor.solve_columns(columns);
+        if let Some(correction) = &self.correction {
+            correction.correct(columns);
         }
     }
 
@@ -190,6 +232,9 @@ impl ConstrainedSystem {
         }
         for &(slot, vertex, value) in &self.coupling {
             column[slot as usize] -= value * given(vertex as usize);
+        }
+        if let Some(correction) = &self.correction {
+            correction.reduce(column, &given);
         }
         for &(vertex, weight) in self.constraints.soft() {
             if let Some(slot) = self.constraints.slot(vertex) {

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::goal::Goal;
 use super::region::Region;
-use crate::linear::{ConstrainedSystem, SymmetricMatrix};
+use crate::linear::{ConstrainedSystem, SplitMatrix, SymmetricMatrix, long_rows};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::mass::lumped_mass;
 use crate::rotation::exp;
@@ -19,7 +19,7 @@ use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, memory};
 
 /// The factored system of a field of `order` 0, 1 or 2 on a region.
 pub(super) fn smooth_system(region: &Region, order: usize, job: &Job) -> Result<ConstrainedSystem> {
-    ConstrainedSystem::new(&polyharmonic(region.mesh(), order)?, region.constraints().clone(), job)
+    ConstrainedSystem::of_split(&polyharmonic(region.mesh(), order)?, region.constraints().clone(), job)
 }
 
 /// Fields of several vectors per handle; one that is zero at all of them costs nothing.
@@ -50,34 +50,60 @@ pub(super) fn rotations(system: &ConstrainedSystem, region: &Region, goal: &Goal
 
 /// `L`, `L M^-1 L` or `L M^-1 L M^-1 L`, the Hessians of `sum w (f_j - f_i)^2`, `sum m h^2` and
 /// `sum w (h_j - h_i)^2` with `h = M^-1 L f`.
-pub(super) fn polyharmonic(mesh: &Mesh, order: usize) -> Result<SymmetricMatrix> {
+pub(super) fn polyharmonic(mesh: &Mesh, order: usize) -> Result<SplitMatrix> {
     let laplacian = cotangent_laplacian(mesh);
     let inverse = inverse_mass(mesh);
     match order {
-        0 => Ok(laplacian),
+        0 => Ok(laplacian.into()),
         1 => laplacian.sandwich(&inverse),
-        2 => {
-            let rows = laplacian.rows();
-            let values = rows.iter().map(|row| (row.len() * row.len()) as u128).sum::<u128>();
-            memory::check("the differences of the Laplacian", size_of::<(u32, f64)>() as u128 * values)?;
-            let differences: Vec<(f64, Vec<(u32, f64)>)> = laplacian
-                .entries()
-                .filter(|(i, j, _)| i != j)
-                .map(|(i, j, value)| {
-                    let mut difference: BTreeMap<u32, f64> = BTreeMap::new();
-                    for (row, sign) in [(i as usize, 1.0), (j as usize, -1.0)] {
-                        for &(column, entry) in rows.of(row) {
-                            *difference.entry(column).or_default() += sign * inverse[row] * entry;
-                        }
-                    }
-                    (-value, difference.into_iter().collect())
-                })
-                .collect();
-            let rows = differences.iter().map(|(w, row)| (*w, row.as_slice()));
-            SymmetricMatrix::normal(laplacian.size(), rows)
-        }
+        2 => triharmonic(&laplacian, &inverse),
         _ => Err(Error::InvalidValue(Fault::new("border", format!("must be 0, 1 or 2, got {order}")))),
     }
+}
+
+/// `B^T L B` with `B = M^-1 L`. Long rows `b_c` of `B` are left out of it, `B = B' + sum e_c b_c^T`, and kept apart:
+///
+/// ```text
+///     B^T L B = B'^T L B' + sum_c (b_c q_c^T + q_c b_c^T),      q_c = B'^T L_c + sum_d L_cd b_d / 2
+/// ```
+fn triharmonic(laplacian: &SymmetricMatrix, inverse: &[f64]) -> Result<SplitMatrix> {
+    let n = laplacian.size();
+    let rows = laplacian.rows();
+    let long = long_rows(&rows.iter().map(<[_]>::len).collect::<Vec<_>>());
+    let short = |i: usize| if long[i] { &[][..] } else { rows.of(i) };
+    let values: u128 = (0..n).map(|i| (short(i).len() * rows.of(i).len()) as u128).sum();
+    memory::check("the differences of the Laplacian", size_of::<(u32, f64)>() as u128 * values)?;
+    let sum = |parts: &mut dyn Iterator<Item = (f64, &[(u32, f64)])>| -> Vec<(u32, f64)> {
+        let mut sum: BTreeMap<u32, f64> = BTreeMap::new();
+        for (factor, row) in parts {
+            row.iter().for_each(|&(column, entry)| *sum.entry(column).or_default() += factor * entry);
+        }
+        sum.into_iter().collect()
+    };
+    let difference = |i: u32, j: u32| {
+        let part = |i: usize, sign: f64| (sign * inverse[i], short(i));
+        sum(&mut [part(i as usize, 1.0), part(j as usize, -1.0)].into_iter())
+    };
+    let edges = laplacian.entries().filter(|(i, j, _)| i != j);
+    let mut differences: Vec<(f64, Vec<(u32, f64)>)> =
+        edges.map(|(i, j, value)| (-value, difference(i, j))).collect();
+    let apart: Vec<usize> = (0..n).filter(|&c| long[c]).collect();
+    differences.extend(apart.iter().map(|&c| (0.0, vec![(c as u32, 1.0)])));
+    let sparse =
+        SymmetricMatrix::normal(n, differences.iter().map(|(weight, row)| (*weight, row.as_slice())))?;
+    let norm = |row: &[(u32, f64)]| row.iter().map(|(_, x)| x * x).sum::<f64>().sqrt();
+    let products = apart.iter().flat_map(|&c| {
+        let own = rows.of(c);
+        let q = sum(&mut own.iter().map(|&(j, entry)| {
+            let share = if long[j as usize] { 0.5 } else { 1.0 };
+            (share * entry * inverse[j as usize], rows.of(j as usize))
+        }));
+        // As squares of sum and difference, when both are of one size.
+        let b = inverse[c] * (norm(&q) / (inverse[c] * norm(own)).max(f64::MIN_POSITIVE)).sqrt();
+        let q_by = if b > 0.0 { inverse[c] / b } else { 0.0 };
+        [1.0, -1.0].map(|sign| (0.5 * sign, sum(&mut [(b, own), (sign * q_by, &q[..])].into_iter())))
+    });
+    Ok(SplitMatrix::new(sparse, products.collect()))
 }
 
 /// Smallest area of a cell, that of one 1e-12 of the diagonal across: the square of its inverse is in range.

@@ -62,7 +62,7 @@ impl Laplacian {
     pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let (laplacian, squares) = operator(region.mesh(), options.weights);
         let matrix = laplacian.sandwich(&squares)?;
-        let system = ConstrainedSystem::new(&matrix, region.constraints().clone(), job)?;
+        let system = ConstrainedSystem::of_split(&matrix, region.constraints().clone(), job)?;
         Ok(Self { system, laplacian, squares })
     }
 }

@@ -26,7 +26,7 @@ use super::laplacian::{LaplacianWeights, operator};
 use super::method::Method;
 use super::region::Region;
 use super::responses::{Linear, Response, minima};
-use crate::linear::{ConstrainedSystem, SymmetricMatrix};
+use crate::linear::{ConstrainedSystem, SplitMatrix, SymmetricMatrix, long_rows};
 use crate::matrix::{cross, outer};
 use crate::operators::graph::graph_laplacian;
 use crate::options::options;
@@ -81,12 +81,12 @@ impl LaplacianFitted {
         let mut matrix = normal_matrix(&rows)?;
         let edges = region.is_ambiguous().then(|| {
             let edges = graph_laplacian(mesh).of_axes();
-            edges.combine(AMBIGUOUS * matrix.largest(), &edges, 0.0)
+            edges.combine(AMBIGUOUS * matrix.sparse.largest(), &edges, 0.0)
         });
         if let Some(edges) = &edges {
-            matrix = matrix.combine(1.0, edges, 1.0);
+            matrix.sparse = matrix.sparse.combine(1.0, edges, 1.0);
         }
-        let system = ConstrainedSystem::of_blocks(matrix, region.constraints(), job)?;
+        let system = ConstrainedSystem::of_split_blocks(&matrix, region.constraints(), job)?;
         Ok(Self { system, rows, edges })
     }
 
@@ -138,15 +138,18 @@ fn fit(rest: &[Vec3], row: &[(u32, f64)], scale: f64, grow: bool) -> Row {
         .collect()
 }
 
-/// Blocks `sum_i B_ij^T B_ik`.
-fn normal_matrix(rows: &[Row]) -> Result<SymmetricMatrix> {
-    let length = |&(i, _): &(u32, Mat3)| 3 * rows[i as usize].len();
+/// Blocks `sum_i B_ij^T B_ik`, long rows apart.
+fn normal_matrix(rows: &[Row]) -> Result<SplitMatrix> {
+    let long = long_rows(&rows.iter().map(Vec::len).collect::<Vec<_>>());
+    let length = |&(i, _): &(u32, Mat3)| if long[i as usize] { 3 } else { 3 * rows[i as usize].len() };
     SymmetricMatrix::weigh(3 * rows.len(), |j| rows[j / 3].iter().map(length).sum())?;
     let mut sums: Vec<Mat3> = vec![Mat3::ZERO; rows.len()];
     let mut reached = vec![false; rows.len()];
-    Ok(SymmetricMatrix::from_blocks(rows.len(), |k, column| {
-        let mut ring: Vec<u32> = Vec::new();
-        for &(i, _) in &rows[k as usize] {
+    let sparse = SymmetricMatrix::from_blocks(rows.len(), |k, column| {
+        // The diagonal block comes always.
+        reached[k as usize] = true;
+        let mut ring: Vec<u32> = vec![k];
+        for &(i, _) in rows[k as usize].iter().filter(|(i, _)| !long[*i as usize]) {
             let row = &rows[i as usize];
             let Ok(place) = row.binary_search_by_key(&k, |&(j, _)| j) else { continue };
             let right = row[place].1;
@@ -162,7 +165,15 @@ fn normal_matrix(rows: &[Row]) -> Result<SymmetricMatrix> {
             column.push((j, std::mem::replace(&mut sums[j as usize], Mat3::ZERO)));
             reached[j as usize] = false;
         }
-    }))
+    });
+    let apart = rows.iter().zip(&long).filter(|(_, long)| **long).flat_map(|(row, _)| {
+        [0, 1, 2].map(|axis| {
+            let entries =
+                row.iter().flat_map(|&(j, b)| [0, 1, 2].map(|a| (3 * j + a, b.col(a as usize)[axis])));
+            (1.0, entries.collect())
+        })
+    });
+    Ok(SplitMatrix::new(sparse, apart.collect()))
 }
 
 impl Response for LaplacianFitted {

@@ -58,8 +58,8 @@ impl LaplacianRotated {
     fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let mesh = region.mesh();
         let (laplacian, squares) = operator(mesh, options.weights);
-        let system =
-            ConstrainedSystem::new(&laplacian.sandwich(&squares)?, region.constraints().clone(), job)?;
+        let matrix = laplacian.sandwich(&squares)?;
+        let system = ConstrainedSystem::of_split(&matrix, region.constraints().clone(), job)?;
         let mass: Vec<f64> = inverse_mass(mesh).into_iter().map(|inverse| 1.0 / inverse).collect();
         let mean = if options.estimate > 0.0 {
             let diagonal = (0u32..).zip(&mass).map(|(v, &m)| (v, v, m));

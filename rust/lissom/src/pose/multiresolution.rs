@@ -15,12 +15,13 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
-use super::field::{inverse_mass, polyharmonic};
+use super::field::inverse_mass;
 use super::goal::Goal;
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
 use super::registry::{MethodOptions, no_method};
-use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
+use crate::linear::{ConstrainedSystem, Constraints, SplitMatrix, SymmetricMatrix};
+use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::gradient::deformation_gradients;
 use crate::options::{choices, options};
 use crate::rotation::nearest_rotation;
@@ -101,15 +102,18 @@ impl Multiresolution {
 /// `v - b`: the solution of `(M + l^4 L M^-1 L) d = l^4 L M^-1 L v`, zero in handles and at the border.
 fn details(region: &Region, length: f64, job: &Job) -> Result<Vec<Vec3>> {
     let mesh = region.mesh();
-    let bending = polyharmonic(mesh, 1)?;
-    let mass = (0u32..).zip(inverse_mass(mesh)).map(|(v, inverse)| (v, v, 1.0 / inverse));
+    let (laplacian, inverse) = (cotangent_laplacian(mesh), inverse_mass(mesh));
+    let bending = laplacian.sandwich(&inverse)?;
+    let mass = (0u32..).zip(&inverse).map(|(v, inverse)| (v, v, 1.0 / inverse));
     let mass = SymmetricMatrix::from_entries(mesh.rest().len(), mass);
     let stiffness = length.powi(4);
     let held = |v: usize| region.handle_of(v).is_some() || region.constraints().slot(v as u32).is_none();
     let constraints = Constraints::hard(mesh.rest().len(), held);
-    let system = ConstrainedSystem::new(&mass.combine(1.0, &bending, stiffness), constraints, job)?;
-    let mut forces = bending.times_vectors(mesh.rest());
-    forces.iter_mut().for_each(|force| *force *= stiffness);
+    let matrix = SplitMatrix::from(mass).combine(1.0, &bending, stiffness);
+    let system = ConstrainedSystem::of_split(&matrix, constraints, job)?;
+    let bent = laplacian.times_vectors(mesh.rest()).into_iter().zip(&inverse);
+    let bent: Vec<Vec3> = bent.map(|(bent, &inverse)| bent * (stiffness * inverse)).collect();
+    let forces = laplacian.times_vectors(&bent);
     let mut details = [vec![Vec3::ZERO; forces.len()]];
     system.solve(&[forces], &mut details);
     let [details] = details;

@@ -19,7 +19,7 @@ use super::goal::Goal;
 use super::method::Method;
 use super::region::Region;
 use super::responses::{Linear, Response, minima};
-use crate::linear::{ConstrainedSystem, SymmetricMatrix};
+use crate::linear::{ConstrainedSystem, SplitMatrix, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::options::options;
 use crate::{Error, Fault, Job, Result, Vec3};
@@ -73,10 +73,10 @@ impl ThinShell {
             given.for_each(|(_, inverse)| *inverse = 0.0);
         }
         let matrix = match options.border {
-            0 => laplacian.combine(k_s, &laplacian.sandwich(&inverse)?, k_b),
+            0 => SplitMatrix::from(laplacian.clone()).combine(k_s, &laplacian.sandwich(&inverse)?, k_b),
             border => polyharmonic(mesh, border - 1)?.combine(k_s, &polyharmonic(mesh, border)?, k_b),
         };
-        let system = ConstrainedSystem::new(&matrix, region.constraints().clone(), job)?;
+        let system = ConstrainedSystem::of_split(&matrix, region.constraints().clone(), job)?;
         Ok(Self { system, laplacian, inverse, options: options.clone() })
     }
 
