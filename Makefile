@@ -121,6 +121,7 @@ bench: $(WHEEL)
 	.venv/bench/bin/python bench/inbetween.py
 	.venv/bench/bin/python bench/transfer.py
 	.venv/bench/bin/python bench/fit.py
+	.venv/bench/bin/python bench/face.py
 
 clean:
 	rm -rf .venv build dist target

@@ -33,6 +33,8 @@ def configure(parser):
     add("--exists", choices=[item[0].lower() for item in EXISTS_ITEMS], default="update")
     add("--edited", choices=("keep", "carry", "overwrite"), default="keep", help="keys edited by hand (keep)")
     add("--no-contact", action="store_true", help="let lids and lips pass each other")
+    add("--landmarks", help="JSON of landmarks that an outside detector has found on the head")
+    add("--kinds", nargs="+", default=[], metavar="KIND=OBJECT", help="what parts are, as EYE=Lamp")
     add("--strength", type=float, default=1.0, help="of all keys (1)")
     add("--out", required=True, help="the .blend file to write")
     add("--report", help="also write what was done as JSON")
@@ -42,7 +44,7 @@ def run(arguments):
     """Reads, makes the keys, writes; returns the exit code."""
     started = time.perf_counter()
     try:
-        outputs.check(arguments, ("file",), ("out", "report"))
+        outputs.check(arguments, ("file", "landmarks"), ("out", "report"))
         if not 0 <= arguments.strength <= 10:
             raise Refused("--strength: choose a number from 0 to 10")
         bpy.ops.wm.open_mainfile(filepath=str(pathlib.Path(arguments.file).resolve()), load_ui=False)
@@ -54,14 +56,20 @@ def run(arguments):
             edited=arguments.edited.upper(),
             contact=not arguments.no_contact,
             strength=arguments.strength,
+            landmarks=arguments.landmarks or "",
+            kinds="\n".join(told.replace("=", " ", 1) for told in arguments.kinds),
         )
         job = FaceKeys(bpy.context, asked)
         done = job.write(bpy.context, job.work.wait())
-        outputs.save(arguments.out)
+        if not done.stopped:
+            outputs.save(arguments.out)
         if arguments.report:
             write_json(arguments.report, asdict(done) | {"seconds": round(time.perf_counter() - started, 3)})
     except (Refused, lissom.Error, RuntimeError, OSError) as error:
         print(f"Error: {str(error).removeprefix('Error: ').strip()}")
+        return BAD_INPUT
+    if done.stopped:
+        print(f"Error: {done.summary}")
         return BAD_INPUT
     outputs.say(done)
     return DONE

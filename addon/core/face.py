@@ -6,41 +6,40 @@ import lissom
 import numpy as np
 from lissom import data, names
 
-from . import face_parts
+from . import face_lids, face_parts
+from .face_found import CURVES, Unsure, locate_steps
+from .face_lids import Lids, Shares
 from .face_parts import Frame, Mouth
-from .landmarks import FACE
 from .refused import Refused
-from .transfer import fit_steps
 from .work import Work
 
 SKIN = ("face", "head_and_neck")
-LEAST_CERTAIN = 0.5  # below it no key is made
-SURE = 0.75  # from here on nothing is said: people have more
-OFF = 0.01  # of the head's diagonal: a landmark further from the head than this is to be looked at
 CORNERS = [48, 54]  # of the mouth
 
 
 class Faced(NamedTuple):
     """What was found: names of the keys; their offsets (k, n, 3) on the head, and on each part; ``left``, the
-    names that nothing makes; ``kinds`` of the loose pieces of each object; ``doubts``, landmarks by name.
+    names that nothing makes; ``kinds`` of the loose pieces of each object.
     """
 
-    fit: object
+    located: object
     names: list
     offsets: np.ndarray
     parts: list
     left: list
     kinds: list
-    doubts: list
     quality: dict
     warnings: list
 
 
-def face_work(head, parts, kind, strength=1.0, contact=True):
-    """Work whose result is a Faced; ``head`` and ``parts`` are (vertices, triangles) in one solve space.
+def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()):
+    """Work whose result is a Faced or an Unsure; ``head`` and ``parts`` are (vertices, triangles) in one
+    solve space.
 
-    ``kind`` is one of ``lissom.names.SETS``; keys are ``strength`` times as strong, and with ``contact`` lids
-    and lips meet where they do on the face that comes along.
+    ``kind`` is one of ``lissom.names.SETS``; keys are ``strength`` times as strong, and with ``contact``
+    lids and lips meet where they do on the face that comes along. ``marks`` (face_found.Marks) are
+    followed; ``told`` has for the head and each part a kind of ``face_parts.KINDS`` that its loose pieces
+    are of, or "".
     """
 
     def steps():
@@ -49,54 +48,62 @@ def face_work(head, parts, kind, strength=1.0, contact=True):
         except lissom.InvalidMesh as error:
             raise Refused(f"The mesh of the head cannot be used: {error}") from error
         face = data.face().only(*SKIN)
-        fit = yield from fit_steps(
-            lissom.Mesh(face.neutral, face.triangles),
-            target,
-            None,
-            {"modes": face.modes},  # any way up: a hint makes an egg pass for a face
-        )
-        certainty = fit.report["certainty"]
-        doubts = _doubts(face, fit, head[0])
-        if certainty < LEAST_CERTAIN:
-            raise Refused(
-                f"No face is found for sure, {100 * certainty:.0f} %: turn the head upright, looking along "
-                "-Y, or choose Add > Mesh > Source Face, mark the corners of eyes and mouth by Pick, and "
-                "press Transfer"
-            )
+        kinds_told = told or [""] * (1 + len(parts))
+        loose = face_parts.parts(len(head[0]), head[1])[1:]
+        pieces = [(head[0], loose, kinds_told[0])]
+        pieces += [
+            (vertices, face_parts.parts(len(vertices), triangles), given)
+            for (vertices, triangles), given in zip(parts, kinds_told[1:], strict=True)
+        ]
+        balls = [ball for piece in pieces for ball in face_parts.balls(*piece)]
+        located = yield from locate_steps(face, (target, *head, balls), marks)
+        if isinstance(located, Unsure):
+            return located
+        fit = located.fit
         made, offsets, left = names.combined(kind, face.expression_names, face.expressions)
         # Offsets are everybody's: from the person that the head looks like they have that person's gradients.
         person = lissom.Mesh(fit.rest, face.triangles)
         transfer = yield lissom.start_transfer(person, target, fit, contact=contact)
         shapes = fit.rest + strength * offsets
         found = (yield transfer.start_apply(shapes)).vertices
+        if located.rims:
+            found = head[0] + _by_lids(face, located, head, strength * offsets, found - head[0], balls)
         quality = yield transfer.start_quality(shapes, found)
         moved = found - head[0]
-        loose = face_parts.parts(len(head[0]), head[1])[1:]
         body = np.setdiff1d(np.arange(len(head[0])), np.concatenate([*loose, np.zeros(0, dtype=int)]))
         known = _Known(face, fit, kind, strength, head[0][body], moved[:, body])
-        own, whats = known.move(head[0], loose, ride=False)  # what rides the transfer has carried over
+        own, whats = known.move(head[0], loose, kinds_told[0], ride=False)  # the transfer has carried it over
         for what, piece in zip(whats, loose, strict=True):
             if what != "RIDE":
                 moved[:, piece] = own[:, piece]
-        told, kinds = [], [whats]
-        for vertices, triangles in parts:
-            offsets_of, whats = known.move(vertices, face_parts.parts(len(vertices), triangles))
-            told.append(offsets_of)
+        done, kinds = [], [whats]
+        for vertices, own_pieces, given in pieces[1:]:
+            offsets_of, whats = known.move(vertices, own_pieces, given)
+            done.append(offsets_of)
             kinds.append(whats)
-        warnings = list(transfer.warnings)
-        if certainty < SURE:
-            warnings.append(f"Only {100 * certainty:.0f} % sure where the face is: look at every key")
-        return Faced(fit, made, moved, told, left, kinds, doubts, quality, warnings)
+        return Faced(located, made, moved, done, left, kinds, quality, list(transfer.warnings))
 
     return Work(steps())
 
 
-def _doubts(face, fit, vertices):
-    """Names of the landmarks that lie off the head, or on triangles that are turned over."""
-    limit = OFF * np.linalg.norm(np.ptp(vertices, axis=0))
-    away = fit.distances[face.landmarks]
-    folded = np.isin(face.landmarks, face.triangles[fit.flipped])
-    return [FACE[i].name for i in np.flatnonzero(~(away < limit) | folded)]
+def _by_lids(face, located, head, offsets, moved, balls):
+    """(k, n, 3) with lids that go as far as these eyes are high, and stay in front of the eyeballs."""
+    found, (vertices, triangles) = moved.copy(), head
+    frame = Frame.of(located.fit.rest, located.fit.fitted_vertices)
+    upright = frame.back(vertices)
+    for name in CURVES[:2]:
+        if name not in located.rims:
+            continue
+        source = Lids.of(located.fit.rest, face.curves[name])
+        target = Lids.of(upright, located.rims[name])
+        for row, offset in zip(found, offsets, strict=True):
+            if np.abs(offset[face.curves[name]]).max() > face_lids.LEAST:
+                shares = Shares.of(source, located.fit.rest, offset)
+                row[:] = face_lids.corrected(target, vertices, upright, row, shares)
+    for row in found:
+        for centre, radius in balls:
+            row[:] = face_lids.outside(vertices, triangles, row, centre, radius)
+    return found
 
 
 class _Known:
@@ -110,15 +117,16 @@ class _Known:
         corners = fit.rest[face.landmarks[CORNERS]]
         self._mouth = Mouth(corners.mean(axis=0), float(np.linalg.norm(corners[1] - corners[0])))
 
-    def move(self, vertices, pieces, ride=True):
+    def move(self, vertices, pieces, told="", ride=True):
         """Offsets (k, n, 3) of ``vertices`` (n, 3), and the kind of each of ``pieces``, lists of them.
 
-        Without ``ride`` those that ride have none.
+        ``told`` is the kind of all of them, where somebody has said so. Without ``ride`` those that ride have
+        none.
         """
         offsets, kinds = np.zeros((len(self._moved), *vertices.shape)), []
         local = self._frame.back(vertices)
         for piece in pieces:
-            kinds.append(face_parts.kind(local[piece], self._mouth))
+            kinds.append(told or face_parts.kind(local[piece], self._mouth))
             if kinds[-1] == "RIDE" and ride:
                 near, weights = face_parts.bonds(vertices[piece], self._head)
                 for row, moved in zip(offsets, self._moved, strict=True):

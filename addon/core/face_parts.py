@@ -79,6 +79,15 @@ def kind(points, mouth):
     return "RIDE"
 
 
+def balls(points, pieces, told=""):
+    """(centre (3,), radius) of those of ``pieces``, lists of ``points`` (n, 3), that are eyeballs by shape.
+
+    Where they were ``told`` to be of a kind, all of them are, or none.
+    """
+    found = [sphere(points[piece]) for piece in pieces if len(piece) >= 12 and told in ("", "EYE")]
+    return [(centre, radius) for centre, radius, rough in found if told or rough < ROUND]
+
+
 def parts(count, triangles, least=4):
     """Lists of vertices, each of one connected piece, the largest first; tiny ones are left out."""
     label = pieces(count, triangles)

@@ -75,7 +75,15 @@ FACE = _face()
 _SEVEN = (36, 39, 42, 45, 30, 48, 54)
 _MORE = (0, 4, 8, 12, 16, 17, 21, 22, 26, 31, 33, 35, 37, 44, 51, 57, 27)
 
+# Where the openings of eyes and mouth have their middles: enough to find the rest by.
+MIDDLES = [
+    Landmark("left eye, middle", (21, 28)),
+    Landmark("right eye, middle", (-21, 28)),
+    Landmark("mouth, middle", (0, -19)),
+]
+
 SETS = {
+    "FACE_3": MIDDLES,
     "FACE_7": [FACE[i] for i in _SEVEN],
     "FACE_24": [FACE[i] for i in (*_SEVEN, *_MORE)],
     "FACE_68": FACE,
@@ -98,6 +106,14 @@ def picture(kind):
     if kind == "BODY":
         return [[SETS["BODY"][i].spot for i in line] for line in BODY_LINES]
     return [[FACE[i].spot for i in line] for line in FACE_LINES] if kind in SETS else []
+
+
+def mirrored(name):
+    """That of the same landmark on the other side, or the same name for one in the middle."""
+    for side, other in (("left", "right"), ("right", "left")):
+        if name.startswith(side):
+            return other + name.removeprefix(side)
+    return name
 
 
 def is_own_name(name):

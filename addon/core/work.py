@@ -7,6 +7,8 @@ A generator yields one job after the other (anything with the ``progress``, ``do
         fit = yield lissom.start_fit(source, target, markers)
         transfer = yield lissom.start_transfer(source, target, fit)
         return fit, (yield transfer.start_apply(keys))
+
+What a job raises is raised there, where it was yielded: a generator may go on in another way.
 """
 
 import lissom
@@ -45,9 +47,9 @@ class Work:
         self.result = None
         self._advance(None)
 
-    def _advance(self, value):
+    def _advance(self, value, error=None):
         try:
-            self._job = self._steps.send(value)
+            self._job = self._steps.send(value) if error is None else self._steps.throw(error)
             self._place += 1
         except StopIteration as stop:
             self._job = None
@@ -81,6 +83,9 @@ class Work:
     def _go_on(self):
         try:
             result = self._job.result()
+        except lissom.Error as error:
+            self._advance(None, error)
+            return
         except BaseException:
             self._steps.close()  # now, not when the garbage is collected: it may have files open
             raise

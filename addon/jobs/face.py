@@ -1,14 +1,26 @@
-"""Face keys: the expressions of the face that comes along, on any head."""
+"""Face keys: the expressions of the face that comes along, on any head.
+
+Where it is not sure where the face is, it makes none, and asks: the face is put beside the head, and
+landmarks lie where they would be, as guesses. Those that somebody has moved, confirmed or clicked are
+followed from then on.
+"""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..bridge import checks
+from ..bridge import checks, source_face
+from ..bridge import markers as bridge_markers
 from ..bridge.assembly import Assembly
+from ..bridge.meshes import surface
+from ..core import landmark_file, markers
 from ..core.face import face_work
+from ..core.face_found import Marks, Unsure
+from ..core.face_parts import KINDS
+from ..core.landmarks import MIDDLES
 from ..core.quality import as_dicts, pack_faces
-from ..core.refused import first
+from ..core.refused import Refused, first
+from ..core.surface import closest
 from . import Asked, Done
 from .corrections import Corrections
 from .transfer_keys import destinations
@@ -16,7 +28,10 @@ from .transfer_keys import destinations
 
 @dataclass(kw_only=True)
 class FaceAsked(Asked):
-    """What face keys are made of: the head by name, eyes, teeth and lashes one a line, a set of names."""
+    """What face keys are made of: the head by name, eyes, teeth and lashes one a line, a set of names.
+
+    ``kinds`` are what parts are where their shape misleads: "EYE Lamp" a line, of face_parts.KINDS.
+    """
 
     target: str = ""
     parts: str = ""
@@ -25,12 +40,16 @@ class FaceAsked(Asked):
     edited: str = "KEEP"
     strength: float = 1.0
     contact: bool = True
+    landmarks: str = ""  # a file of an outside detector
+    kinds: str = ""
 
 
 @dataclass(kw_only=True)
 class FaceDone(Done):
     """``written``: the names on each object; ``left``: those that nothing makes; ``landmarks``: those to look
     at; ``kinds``: what the loose pieces of each object were taken for; ``quality``: rows of core.quality.
+
+    ``sure``: how sure it is where the face is, 0-1; ``stopped``: that it was too little, and no key was made.
     """
 
     written: dict[str, list[str]]
@@ -39,6 +58,8 @@ class FaceDone(Done):
     kinds: dict[str, list[str]]
     quality: list[dict]
     report: dict
+    sure: float
+    stopped: bool = False
 
 
 class FaceKeys:
@@ -55,10 +76,49 @@ class FaceKeys:
         head, *parts = [(vertices, part.triangles) for vertices, part in rows]
         # The whole's triangles face outward whatever the objects' scales.
         triangles = self._side.geometry()[1][: len(head[1])]
-        self.work = face_work((head[0], triangles), parts, asked.names, asked.strength, asked.contact)
+        told = _told(asked.kinds, self._side.names)
+        marks = self._marks(context, objects[0], head[0])
+        settings = asked.names, asked.strength, asked.contact
+        self.work = face_work((head[0], triangles), parts, *settings, marks, told)
+
+    @property
+    def head(self):
+        """The head's name."""
+        return self._side.name
+
+    def _marks(self, context, head, rest):
+        """Marks of a file, or of the markers that somebody has set or confirmed; None without."""
+        own = source_face.landmarks()
+        if self._asked.landmarks:
+            found = landmark_file.load(self._asked.landmarks, own)
+            places = self._side.into(
+                [np.array(list(found.values())), *[np.zeros((0, 3))] * (len(self._side.parts) - 1)]
+            )
+            return Marks(np.array([own[name] for name in found]), places)
+        settings = context.scene.lissom_transfer
+        if settings.target != head or not source_face.is_it(settings.source):
+            return None
+        pairs, _ = bridge_markers.current(context.scene, settings.source, head)
+        pairs = [marker for marker in pairs if not marker.guessed]
+        if not pairs:
+            return None
+        markers.check(pairs, len(settings.source.data.vertices), len(head.data.vertices))
+        if len(pairs) < source_face.LEAST_MARKS:
+            raise Refused(
+                f"{len(pairs)} of the landmarks are set: set or confirm {source_face.LEAST_MARKS} at least, "
+                "as the middles of both eyes and of the mouth"
+            )
+        return Marks(
+            np.array(
+                [own.get(pair.name, pair.point("source").position(source_face.rest())) for pair in pairs]
+            ),
+            np.array([marker.point("target").position(rest) for marker in pairs]),
+        )
 
     def write(self, context, found):
-        """Writes a core.face.Faced; a FaceDone."""
+        """Writes a core.face.Faced; a FaceDone. What is Unsure is asked."""
+        if isinstance(found, Unsure):
+            return self._ask(context, found)
         targets = self._side.find()
         for obj in targets:
             checks.require_writable(obj)
@@ -74,9 +134,10 @@ class FaceKeys:
                 if name in plan and (place == 0 or moved.any()):
                     writer.write(plan[name], part.vertices, self._back(place, moved))
                     written[obj.name].append(plan[name])
-        warnings = [*corrections.warnings(), *found.warnings, *found.fit.report["warnings"]]
-        if found.doubts:
-            warnings.append(f"Landmarks to look at: {first(found.doubts)}")
+        warnings = [*corrections.warnings(), *found.warnings, *found.located.fit.report["warnings"]]
+        doubts = found.located.doubts
+        if doubts:
+            warnings.append(f"Landmarks to look at: {first(doubts)}")
         if found.left:
             warnings.append(f"Left out, for want of what they are made of: {first(found.left)}")
         kinds = {part.name: kinds for part, kinds in zip(self._side.parts, found.kinds, strict=True)}
@@ -85,10 +146,48 @@ class FaceKeys:
             warnings=warnings,
             written=written,
             left=found.left,
-            landmarks=found.doubts,
+            landmarks=doubts,
             kinds=kinds,
             quality=self._remember_quality(context, found, plans[0]),
-            report=dict(found.fit.report),
+            report=dict(found.located.fit.report),
+            sure=found.located.certainty,
+        )
+
+    def _ask(self, context, unsure):
+        """Puts the face beside the head, and what is guessed on both; a FaceDone that has stopped."""
+        head, settings = self._side.find()[0], context.scene.lissom_transfer
+        own = source_face.landmarks()
+        face = (
+            settings.source if source_face.is_it(settings.source) else source_face.add_beside(context, head)
+        )
+        settings.source, settings.target, settings.show_markers = face, head, True
+        places = [unsure.guesses[name] for name in unsure.guesses]
+        added = []
+        if places:
+            on_head, _ = closest(self._side.split(self._side.rest())[0], surface(head)[1], np.array(places))
+            on_face, _ = closest(
+                source_face.rest(), surface(face)[1], np.array([own[name] for name in unsure.guesses])
+            )
+            rows = zip(unsure.guesses, on_face, on_head, strict=True)
+            added = [markers.Marker.between(name, *pair)._replace(guessed=True) for name, *pair in rows]
+        settings.landmarks = "FREE" if added else "FACE_3"
+        bridge_markers.put(context.scene, added, face, head)
+        if added:
+            look = first(unsure.doubts or list(unsure.guesses))
+            then = f"look at the grey marks, above all {look}; drag what is off, and confirm"
+        else:
+            then = f"press Pick and click on '{head.name}': {', '.join(mark.name for mark in MIDDLES)}"
+        return FaceDone(
+            summary=f"No key is made: {unsure.why}. Do this: {then}; then press Face Keys again",
+            warnings=[],
+            written={},
+            left=[],
+            landmarks=unsure.doubts or [marker.name for marker in added] or [mark.name for mark in MIDDLES],
+            kinds={},
+            quality=[],
+            report={},
+            sure=0.0,
+            stopped=True,
         )
 
     def _back(self, place, moved):
@@ -111,3 +210,14 @@ class FaceKeys:
                         value = pack_faces({self._side.name: self._side.polygons(value)[0]})
                     setattr(row, field, value.item() if isinstance(value, np.generic) else value)
         return as_dicts(rows)
+
+
+def _told(text, objects):
+    """For each object the kind that its parts were said to be of, or ""."""
+    told = dict.fromkeys(objects, "")
+    for line in filter(None, text.splitlines()):
+        kind, _, name = line.partition(" ")
+        if kind not in KINDS or name not in told:
+            raise Refused(f"Kinds: '{line}' is no line as '{KINDS[0]} {objects[-1]}', of {', '.join(KINDS)}")
+        told[name] = kind
+    return list(told.values())

@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import BoolProperty, FloatProperty, StringProperty
 
+from .. import session
 from ..bridge import source_face
 from ..core.refused import Refused
 from ..jobs.face import FaceAsked, FaceKeys
@@ -11,9 +12,11 @@ from .job import JobRunner, allowed, answering
 
 
 class LISSOM_OT_face_keys(JobRunner, bpy.types.Operator):
-    """Give this head the shape keys of a whole face, found by its shape alone.
+    """Give this head the shape keys of a whole face, found by its shape alone. Where that is not sure, no key
+    is made, and landmarks lie in grey where they would be: correct or confirm them, and press again.
 
-    It has to stand upright and look along -Y. Eyes, teeth and lashes, in the mesh or as objects, go along"""
+    The head has to stand upright and look along -Y. Eyes, teeth and lashes, in the mesh or as objects, go
+    along"""
 
     bl_idname = "lissom.face_keys"
     bl_label = "Face Keys"
@@ -36,12 +39,28 @@ class LISSOM_OT_face_keys(JobRunner, bpy.types.Operator):
         description="Lids and lips meet where they do on the face that comes along",
         default=True,
     )
+    landmarks: StringProperty(
+        name="Landmark File",
+        description="JSON of landmarks that an outside detector has found, in the head's own coordinates",
+        subtype="FILE_PATH",
+        options={"SKIP_SAVE"},
+    )
+    kinds: StringProperty(
+        name="Kinds",
+        description="What parts are where their shape misleads, one a line as in EYE Lamp: EYE, UPPER or "
+        "LOWER for teeth and tongue, RIDE for what goes with the skin",
+    )
 
     job_class, keeps = FaceKeys, "lissom_transfer"
 
     @classmethod
     def poll(cls, context):
         return allowed(cls, "")
+
+    def invoke(self, context, event):
+        """From a button the review opens once all is done."""
+        self._pressed = not bpy.app.background and context.window is not None
+        return super().invoke(context, event)
 
     def asked(self, context):
         settings = context.scene.lissom_transfer
@@ -50,7 +69,37 @@ class LISSOM_OT_face_keys(JobRunner, bpy.types.Operator):
             raise Refused("Choose the head as target first")
         own = "\n".join(row.object.name for row in settings.target_parts if row.object)
         named = {"target": self.target or head.name, "parts": self.parts or ("" if self.target else own)}
-        return FaceAsked.of(self, **named)
+        kinds = self.kinds or ("" if self.target else _kinds(settings))
+        path = bpy.path.abspath(self.landmarks) if self.landmarks else ""
+        return FaceAsked.of(self, **named, kinds=kinds, landmarks=path)
+
+    def finish(self, context, found):
+        """Reports what was done, or as an error why nothing was; opens the review where there is a window."""
+        done = self._job.write(context, found)
+        for warning in reversed(done.warnings):  # what is reported last is what one sees
+            self.report({"WARNING"}, warning)
+        self.report({"ERROR" if done.stopped else "INFO"}, done.summary)
+        settings = context.scene.lissom_transfer
+        for row in settings.target_parts:
+            if row.object is not None and row.object.name in done.kinds:
+                row.found = ", ".join(sorted(set(done.kinds[row.object.name])))
+        if not done.stopped and getattr(self, "_pressed", False):
+            _review(context, self._job.head, self.names)
+
+
+def _kinds(settings):
+    rows = [row for row in settings.target_parts if row.object is not None and row.kind != "AUTO"]
+    return "\n".join(f"{row.kind} {row.object.name}" for row in rows)
+
+
+def _review(context, name, kind):
+    """Opens the review of the keys, with the face that they come from beside the head."""
+    settings, head = context.scene.lissom_transfer, bpy.data.objects[name]
+    if not source_face.is_it(settings.source):
+        settings.source = source_face.add_beside(context, head, kind)
+    settings.target = head
+    if session.review is None and bpy.ops.lissom.review.poll():
+        bpy.ops.lissom.review("INVOKE_DEFAULT")
 
 
 class LISSOM_OT_source_face_add(bpy.types.Operator):

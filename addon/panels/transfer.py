@@ -142,14 +142,20 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
 
     def _draw_face(self, layout, settings):
         """The first offer: no source, no marker."""
-        if settings.source is not None:
+        if settings.source is not None and "lissom_face" not in settings.source:
             return
         box = layout.box()
         draw_lines(box, "USER", "A head without face keys gets them by one press: no source, no marker")
         split_column(box).prop(settings, "face_names")
+        for part in settings.target_parts:
+            if part.object is not None:
+                found = f", found: {part.found}" if part.found else ""
+                split_column(box).prop(part, "kind", text=part.object.name + found, translate=False)
         row = box.row()
         row.scale_y = 1.4
         row.operator("lissom.face_keys", icon="SHAPEKEY_DATA").names = settings.face_names
+        if settings.source is not None:
+            return
         layout.label(text="Or from a face of your own:")
 
     def _draw_fit_options(self, column, settings):

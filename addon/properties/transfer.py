@@ -46,6 +46,18 @@ class LissomPart(bpy.types.PropertyGroup):
     """A further object of the source or the target."""
 
     object: PointerProperty(type=bpy.types.Object, poll=_is_mesh, name="Object")
+    kind: EnumProperty(
+        name="Kind",
+        description="What Face Keys moves it as",
+        items=[
+            ("AUTO", "By Shape", "As its shape and its place tell"),
+            ("EYE", "Eyeball", "It turns about its middle where the eyes look"),
+            ("UPPER", "Upper Teeth", "It stays"),
+            ("LOWER", "Lower Teeth, Tongue", "It goes with the jaw"),
+            ("RIDE", "Lashes, Hair", "It goes with the skin beside it"),
+        ],
+    )
+    found: StringProperty(name="Found", description="What Face Keys has taken its pieces for")
 
 
 class LissomKeyQuality(bpy.types.PropertyGroup):
@@ -137,6 +149,7 @@ class LissomTransfer(bpy.types.PropertyGroup):
             ("FACE_68", "Face, 68", "The 68 of Multi-PIE, in its order"),
             ("BODY", "Body, 26", "Joints, fingertips, toes, head and trunk"),
             ("OWN", "As on Source", "The named ones that the source bears already"),
+            ("FACE_3", "Face, 3", "The middles of both eyes and of the mouth: enough for Face Keys"),
         ],
         update=lambda settings, context: redraw_views(),
     )

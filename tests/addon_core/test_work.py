@@ -97,3 +97,20 @@ def test_a_job_that_fails_has_the_steps_clean_up_at_once():
     with pytest.raises(lissom.Error):
         work.poll()
     assert log == ["clean"]
+
+
+def test_what_a_job_raises_a_generator_may_go_on_from():
+    class Refusing(Pause):
+        def result(self):
+            raise lissom.InvalidConstraint("markers: none given")
+
+    def steps(catches):
+        try:
+            yield Refusing(0.0, "first")
+        except catches:
+            yield Pause(0.5, "second")
+        return "otherwise"
+
+    assert Work(steps(lissom.InvalidConstraint)).wait() == "otherwise"
+    with pytest.raises(lissom.InvalidConstraint):
+        Work(steps(lissom.InvalidMesh)).wait()

@@ -116,11 +116,6 @@ pub fn align(
         found = best(refined, kept, apart);
     }
     let placed = found[0];
-    if std::env::var("DBG").is_ok() {
-        for f in &found {
-            eprintln!("   cost {:.3} turn {:.0} scale {:.2}", f.cost, f.turn(), f.scale);
-        }
-    }
     let others = found.iter().filter(|other| placed.apart(other) > APART).map(|other| other.cost);
     let margin = 1.0 - (placed.cost + COARSENESS) / (others.fold(1.0, f64::min) + COARSENESS);
     let fit = ((COSTS[0] - placed.cost) / (COSTS[0] - COSTS[1])).clamp(0.0, 1.0);

@@ -1,0 +1,188 @@
+"""Where the face that comes along lies on a head: by shape alone, by the openings of eyes and mouth, or by
+marks.
+
+A person is found by shape, and who it is with the place. What is no person's shape, as a cartoon's head,
+says where eyes and mouth are by its openings, if there is an eyeball behind each of two; else somebody has
+to say.
+"""
+
+from typing import NamedTuple
+
+import lissom
+import numpy as np
+
+from . import face_parts, face_rims
+from .face_parts import Frame
+from .landmarks import FACE, mirrored
+from .transfer import fit_steps
+
+CURVES = ("lid_left", "lid_right", "lips")
+SURE = 0.75  # from here on keys are made: people have more
+OFF = 0.01  # of the head's diagonal: a landmark further from the head than this is to be looked at
+CROOKED = 0.03  # of the head's diagonal: likewise, from the mirror image of its twin
+PLAIN = 0.5  # confidence from which on a landmark is not looked at
+REACH = 0.6  # of an opening's extent, from its middle: a click there is in it, or on its rim
+LARGEST = 1.6  # extents of the marks: larger openings are cuts, or that of the neck
+LIKELY = (1.5, 3.0)  # spreads by which people differ at most, and what nobody does
+KIN = 4.0  # spreads of proportions: heads that differ by more are no people's
+
+
+class Marks(NamedTuple):
+    """Places that belong together: (k, 3) on the face that comes along, (k, 3) on the head."""
+
+    source: np.ndarray
+    target: np.ndarray
+
+
+class Located(NamedTuple):
+    """The fit; {curve: loop of the head}; how sure it is, 0-1; {landmark: how sure}; ``by`` SHAPE, RIMS or
+    MARKS.
+    """
+
+    fit: object
+    rims: dict
+    certainty: float
+    confidence: dict
+    by: str
+
+    @property
+    def doubts(self):
+        """Names of the landmarks to look at."""
+        return [name for name, sure in self.confidence.items() if sure < PLAIN]
+
+
+class Unsure(NamedTuple):
+    """Why no key is made; {landmark: (3,)} where they would be, none where nothing is known; those to look
+    at.
+    """
+
+    why: str
+    guesses: dict
+    doubts: list
+
+
+def middles(face):
+    """(3, 3) of the left eye's opening, the right one's and the mouth, of the face that comes along."""
+    points = [face.neutral[face.curves[name]] for name in CURVES]
+    return np.array([(one.min(axis=0) + one.max(axis=0)) / 2 for one in points])
+
+
+def locate_steps(face, head, marks=None):
+    """Located or Unsure, as steps of a Work; ``head`` is (lissom.Mesh, vertices, triangles, eyeballs).
+
+    ``face`` is of lissom.data, ``eyeballs`` are (centre, radius), and ``marks``, Marks, are followed.
+    """
+    mesh, vertices, triangles, balls = head
+    source = lissom.Mesh(face.neutral, face.triangles)
+    body = face_parts.parts(len(vertices), triangles)[0]
+    found = face_rims.openings(vertices, triangles[np.isin(triangles[:, 0], body)])
+    located = None
+    if marks is None:
+        try:
+            # Any way up: a hint makes an egg pass for a face.
+            fit = yield from fit_steps(source, mesh, None, {"modes": face.modes})
+        except lissom.InvalidConstraint:  # too little in common
+            fit = None
+        located = fit and _judged(face, fit, vertices, {}, "SHAPE")
+        if located and located.certainty >= SURE:
+            return located
+        own = face_rims.of_face(found, balls)
+        if own is None:
+            return _unsure(face, located)
+        marks, by = Marks(middles(face), own), "RIMS"
+    else:
+        marks, by = _in_openings(marks, middles(face), found), "MARKS"
+    at = Frame.of(marks.source, marks.target)
+    where = at.size * middles(face) @ at.turn.T + at.shift
+    rims = face_rims.near(found, where)
+    names = [np.linalg.norm(face.neutral - point, axis=1).argmin() for point in marks.source]
+    options = {
+        "points": marks.target,
+        "source_points": marks.source,
+        "curves": [[face.curves[name], loop] for name, loop in rims.items()],
+    }
+    if _is_kin(face, vertices, rims, where):
+        options["modes"] = face.modes
+    fit = yield from fit_steps(
+        source, mesh, np.column_stack([names, np.zeros(len(names), dtype=int)]), options
+    )
+    return _judged(face, fit, vertices, rims, by)
+
+
+def _in_openings(marks, own, found):
+    """Marks of which those of the middles of eyes and mouth that lie in an opening, as one sees it, are at
+    its middle: there a click goes through to the eyeball, or to the back of the head, or takes the rim.
+    """
+    target = marks.target.copy()
+    wide = np.ptp(marks.target, axis=0).max()
+    small = [one for one in found if one.extent.max() < LARGEST * wide]
+    for place, source in zip(target, marks.source, strict=True):
+        if np.linalg.norm(own - source, axis=1).min() < 1e-6:
+            off = [np.abs(one.middle - place)[[0, 2]] / one.extent[[0, 2]] for one in small]
+            around = [one for one, far in zip(small, off, strict=True) if far.max() < REACH]
+            if around:
+                place[:] = min(around, key=lambda one: np.prod(one.extent[[0, 2]])).middle
+    return Marks(marks.source, target)
+
+
+def _unsure(face, located):
+    if located is None:
+        return Unsure("no face is found by shape alone", {}, [])
+    on = located.fit.fitted_vertices[face.landmarks]
+    guesses = {mark.name: place for mark, place in zip(FACE, on, strict=True)}
+    return Unsure(f"where the face is, is only {100 * located.certainty:.0f} % sure", guesses, located.doubts)
+
+
+def _judged(face, fit, vertices, rims, by):
+    confidence = landmark_confidence(face, fit, vertices)
+    report = fit.report["certainty"]
+    likely = 1.0
+    if len(fit.coefficients):
+        spread = float(np.sqrt(np.mean(np.square(fit.coefficients))))
+        likely = float(np.clip((LIKELY[1] - spread) / (LIKELY[1] - LIKELY[0]), 0, 1))
+    plain = np.mean([sure >= PLAIN for sure in confidence.values()])
+    certainty = 1.0 if by == "MARKS" else report * likely * min(1.0, plain / 0.8)
+    return Located(fit, rims, float(certainty), confidence, by)
+
+
+def landmark_confidence(face, fit, vertices):
+    """{landmark: how sure it is, 0-1}: near to the head, on no fold, and where the mirror image of its twin
+    is.
+    """
+    size = np.linalg.norm(np.ptp(vertices, axis=0))
+    on = fit.fitted_vertices[face.landmarks]
+    away = np.nan_to_num(fit.distances[face.landmarks] / size, nan=1.0)
+    folded = np.isin(face.landmarks, face.triangles[fit.flipped])
+    back = Frame.of(fit.rest, fit.fitted_vertices).back(on)
+    twins = [[mark.name for mark in FACE].index(mirrored(mark.name)) for mark in FACE]
+    scale = np.linalg.norm(np.ptp(fit.rest, axis=0))
+    local = back - [np.median((back + back[twins])[:, 0]) / 2, 0, 0]
+    crooked = np.linalg.norm(local - local[twins] * [-1, 1, 1], axis=1) / scale
+    sure = np.exp(-np.log(2) * ((away / OFF) ** 2 + (crooked / CROOKED) ** 2)) * ~folded
+    return {mark.name: float(one) for mark, one in zip(FACE, sure, strict=True)}
+
+
+def _proportions(face, rest):
+    """Of a person: eye to mouth, width of the mouth and height of an eye, over the distance of the eyes."""
+    left, right, lips = (rest[face.curves[name]] for name in CURVES)
+    centres = [(one.min(axis=0) + one.max(axis=0)) / 2 for one in (left, right, lips)]
+    return _ratios(centres, np.ptp(lips, axis=0)[0], np.ptp(left, axis=0)[2])
+
+
+def _ratios(centres, mouth, eye):
+    apart = np.linalg.norm(centres[0] - centres[1])
+    down = np.linalg.norm((centres[0] + centres[1]) / 2 - centres[2])
+    return np.log(np.array([down, mouth, eye]) / apart)
+
+
+def _is_kin(face, vertices, rims, where):
+    """Whether a head has proportions that people have; lengths that no rim tells are taken to be such."""
+    mean = _proportions(face, face.neutral)
+    steps = [_proportions(face, face.neutral + mode) - mean for mode in face.modes]
+    spread = np.sqrt(np.square(steps).sum(axis=0))
+    extents = {name: np.ptp(vertices[loop], axis=0) for name, loop in rims.items()}
+    apart = np.linalg.norm(where[0] - where[1])
+    mouth = extents["lips"][0] if "lips" in extents else apart * np.exp(mean[1])
+    eye = extents["lid_left"][2] if "lid_left" in extents else apart * np.exp(mean[2])
+    off = np.abs(_ratios(where, mouth, eye) - mean) / spread
+    return bool(off.max() < KIN)

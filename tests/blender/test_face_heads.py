@@ -1,0 +1,87 @@
+"""Face keys on heads that no person has: found by the openings of eyes and mouth, or by what somebody has
+said.
+"""
+
+import bpy
+import heads
+import numpy as np
+import pytest
+from bl_ext.user_default.lissom.bridge import markers as bridge_markers
+from bl_ext.user_default.lissom.bridge import source_face
+from bl_ext.user_default.lissom.core.markers import Marker
+from bl_ext.user_default.lissom.core.surface import Point
+from bl_ext.user_default.lissom.jobs.face import FaceAsked, FaceKeys
+
+
+def made(name, vertices, triangles):
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(np.asarray(vertices).tolist(), [], np.asarray(triangles).tolist())
+    obj = bpy.data.objects.new(name, mesh)
+    bpy.context.collection.objects.link(obj)
+    return obj
+
+
+def delta(obj, name):
+    found = np.empty((2, 3 * len(obj.data.vertices)), dtype=np.float32)
+    for row, key in zip(found, ("Basis", name), strict=True):
+        obj.data.shape_keys.key_blocks[key].data.foreach_get("co", row)
+    return np.diff(found, axis=0).reshape(-1, 3).astype(float)
+
+
+@pytest.fixture
+def mask():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    head = heads.made("mask")
+    return head, made("Mask", head.vertices, head.triangles)
+
+
+def test_a_mask_gets_keys_without_a_click_and_its_lids_close(mask):
+    head, obj = mask
+    for name, eye in zip(("Left", "Right"), head.eyes, strict=True):
+        made(name, *eye)
+    job = FaceKeys(bpy.context, FaceAsked(target="Mask", parts="Left\nRight"))
+    done = job.write(bpy.context, job.work.wait())
+    assert not done.stopped and done.sure > 0.75 and len(done.written["Mask"]) == 51
+    assert done.kinds["Left"] == done.kinds["Right"] == ["EYE"]
+    blink = head.vertices + delta(obj, "eyeBlinkLeft") + delta(obj, "eyeBlinkRight")
+    for side in (0, 1):
+        assert heads.seen(head, blink, side) <= 0.02 * heads.seen(head, head.vertices, side)
+    jaw = head.vertices + delta(obj, "jawOpen")
+    before, after = (np.ptp(points[head.lips], axis=0) for points in (head.vertices, jaw))
+    assert after[2] > 2 * before[2] and abs(after[0] / before[0] - 1) < 0.2
+    smile = delta(obj, "mouthSmileLeft") + delta(obj, "mouthSmileRight")
+    corners = head.lips[[head.vertices[head.lips, 0].argmin(), head.vertices[head.lips, 0].argmax()]]
+    assert smile[corners, 2].min() > 0.08 * before[0]
+
+
+def test_without_a_clue_it_asks_and_goes_on_with_what_was_clicked(mask):
+    head, obj = mask
+    corners = [[0.05, -0.5, -0.5], [-0.05, -0.5, -0.5], [0, -0.4, -0.5], [0, -0.45, -0.55]]
+    made("Gum", corners, [[0, 1, 2], [0, 1, 3]])
+    with pytest.raises(RuntimeError, match="No key is made"):
+        bpy.ops.lissom.face_keys(target="Mask")
+    settings = bpy.context.scene.lissom_transfer
+    assert obj.data.shape_keys is None and len(settings.markers) == 0
+    assert source_face.is_it(settings.source) and settings.target == obj and settings.landmarks == "FACE_3"
+    own = source_face.landmarks()
+    rest = source_face.rest()
+    pairs = [
+        Marker.between(
+            name,
+            Point.at(int(np.linalg.norm(rest - own[name], axis=1).argmin())),
+            Point.at(int(np.linalg.norm(head.vertices - click, axis=1).argmin())),
+        )
+        for name, click in zip(
+            ("left eye, middle", "right eye, middle", "mouth, middle"), head.clicks, strict=True
+        )
+    ]
+    bridge_markers.append(bpy.context.scene, pairs[:2], settings.source, obj)
+    with pytest.raises(RuntimeError, match="2 of the landmarks are set"):
+        bpy.ops.lissom.face_keys(target="Mask")
+    bridge_markers.append(bpy.context.scene, pairs[2:], settings.source, obj)
+    assert bpy.ops.lissom.face_keys(target="Mask", parts="Gum", kinds="LOWER Gum") == {"FINISHED"}
+    assert len(obj.data.shape_keys.key_blocks) == 52
+    jaw = delta(bpy.data.objects["Gum"], "jawOpen")
+    assert jaw[:, 2].max() < 0
+    with pytest.raises(RuntimeError, match="'TAIL Gum' is no line"):
+        bpy.ops.lissom.face_keys(target="Mask", parts="Gum", kinds="TAIL Gum")
