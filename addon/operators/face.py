@@ -8,15 +8,12 @@ from ..bridge import source_face
 from ..core.refused import Refused
 from ..jobs.face import FaceAsked, FaceKeys
 from ..properties.transfer_options import edited_property, exists_property, face_names_property
+from ..translations import translated
 from .job import JobRunner, allowed, answering
 
 
 class LISSOM_OT_face_keys(JobRunner, bpy.types.Operator):
-    """Give this head the shape keys of a whole face, found by its shape alone. Where that is not sure, no key
-    is made, and landmarks lie in grey where they would be: correct or confirm them, and press again.
-
-    The head has to stand upright and look along -Y. Eyes, teeth and lashes, in the mesh or as objects, go
-    along"""
+    """Give this head the shape keys of a face, found by its shape; it stands upright and looks along -Y"""
 
     bl_idname = "lissom.face_keys"
     bl_label = "Face Keys"
@@ -77,8 +74,8 @@ class LISSOM_OT_face_keys(JobRunner, bpy.types.Operator):
         """Reports what was done, or as an error why nothing was; opens the review where there is a window."""
         done = self._job.write(context, found)
         for warning in reversed(done.warnings):  # what is reported last is what one sees
-            self.report({"WARNING"}, warning)
-        self.report({"ERROR" if done.stopped else "INFO"}, done.summary)
+            self.report({"WARNING"}, translated(warning))
+        self.report({"ERROR" if done.stopped else "INFO"}, translated(done.summary))
         settings = context.scene.lissom_transfer
         for row in settings.target_parts:
             if row.object is not None and row.object.name in done.kinds:
