@@ -6,6 +6,7 @@ from bpy.props import StringProperty
 from mathutils import Vector
 
 from ..bridge import checks, empties, groups, standing
+from ..bridge import handles as bridge_handles
 from ..core import space
 from ..core.refused import Refused
 from .job import allowed, answering, shown_object, writable_mesh
@@ -117,9 +118,7 @@ class LISSOM_OT_pose_handle_select(bpy.types.Operator):
             raise Refused(f"Handle '{self.handle}' has no Empty: remove the handle and add it again")
         if context.mode != "OBJECT":
             raise Refused("Go to Object Mode first")
-        for other in context.view_layer.objects:
-            other.select_set(other == handle.empty)
-        context.view_layer.objects.active = handle.empty
+        bridge_handles.select(obj, handle)
 
 
 class LISSOM_OT_pose_region_from_selection(bpy.types.Operator):

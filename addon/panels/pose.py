@@ -28,7 +28,7 @@ class LISSOM_UL_handles(bpy.types.UIList):
             lost = "no such group" if not known else "Empty deleted"
             row.label(text=f"{item.name} ({translated(lost)})", icon="ERROR", translate=False)
             return
-        row.label(text=item.name, icon="GROUP_VERTEX", translate=False)
+        row.prop(item, "label", text="", icon="GROUP_VERTEX", emboss=False)
         chosen = item.empty.select_get()
         select = row.operator(
             "lissom.pose_handle_select",
@@ -119,7 +119,7 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         row = labelled(column, "Handles:")
         row.operator("wm.tool_set_by_id", text="On the Mesh", icon="BRUSH_DATA").name = "lissom.pose_tool"
         row = column.row()
-        row.template_list("LISSOM_UL_handles", "", settings, "handles", settings, "active_handle", rows=3)
+        row.template_list("LISSOM_UL_handles", "", settings, "handles", settings, "chosen_handle", rows=3)
         side = row.column(align=True)
         side.enabled = not settings.bound
         side.menu("LISSOM_MT_handle_add", text="", icon="ADD")

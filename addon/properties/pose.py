@@ -14,6 +14,7 @@ from bpy.props import (
 )
 
 from .. import changes
+from ..bridge import handles
 from ..core.mirrors import SYMMETRIES
 from ..core.pose import PROBES
 from ..core.pose_options import METHODS, OPTIONS, PAPERS, SHOWN_FIRST
@@ -154,10 +155,21 @@ class LissomPoseOptions(bpy.types.PropertyGroup):
     __annotations__ = {owner: PointerProperty(type=group) for owner, group in _GROUPS.items()}
 
 
+def _rename(handle, wanted):
+    handles.rename(handle.id_data, handle, wanted)
+
+
 class LissomHandle(bpy.types.PropertyGroup):
     """One handle; its name is that of the vertex group."""
 
     name: StringProperty(name="Vertex Group", description="The vertices that this handle moves")
+    label: StringProperty(
+        name="Handle",
+        description="Double-click to rename the handle with its vertex group and its Empty",
+        get=lambda handle: handle.name,
+        set=_rename,
+        options={"SKIP_SAVE"},
+    )
     empty: PointerProperty(
         type=bpy.types.Object, poll=_is_handle, name="Empty", description="The Empty that moves this handle"
     )
@@ -208,6 +220,12 @@ class LissomBakedKey(bpy.types.PropertyGroup):
     muted: BoolProperty(options={"HIDDEN"}, description="The artist had muted it before Bind")
 
 
+def _row_chosen(settings, row):
+    settings.active_handle = row
+    if 0 <= row < len(settings.handles):
+        handles.select(settings.id_data, settings.handles[row])
+
+
 class LissomPose(bpy.types.PropertyGroup):
     """Settings of one mesh object."""
 
@@ -218,6 +236,13 @@ class LissomPose(bpy.types.PropertyGroup):
     handles: CollectionProperty(type=LissomHandle)
     company: CollectionProperty(type=LissomCompanion)
     active_handle: IntProperty(name="Active Handle", options=set())
+    chosen_handle: IntProperty(
+        name="Handle",
+        description="The active row of the list; choosing one selects its Empty",
+        get=lambda settings: settings.active_handle,
+        set=_row_chosen,
+        options={"SKIP_SAVE"},
+    )
     method: EnumProperty(
         name="Method",
         description="How the mesh between the handles follows them",

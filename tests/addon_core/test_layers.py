@@ -16,7 +16,7 @@ LAYERS = (
     ("bridge", "layouts", "translations", "manual"),
     ("preferences",),
     ("jobs",),
-    ("live", "watch", "drawing", "properties"),
+    ("live", "watch", "rows", "drawing", "properties"),
     ("rebind",),
     ("panels", "operators", "commands"),
 )
