@@ -5,7 +5,7 @@ import pathlib
 import bpy
 import lissom
 
-from . import changes, commands, live, manual, preferences, rebind, rows, session, translations, watch
+from . import changes, commands, live, manual, preferences, rebind, rows, saving, session, translations, watch
 from .core import build
 from .drawing import ghost, guide, marks
 from .jobs import review
@@ -127,6 +127,7 @@ def register():
     rebind.register()
     watch.register()
     rows.register()
+    saving.register()
     changes.quality_row.append(review.show_row)
     for module in _DRAWING:
         module.register()
@@ -138,6 +139,7 @@ def unregister():
     for module in reversed(_DRAWING):
         module.unregister()
     changes.quality_row.remove(review.show_row)
+    saving.unregister()
     rows.unregister()
     watch.unregister()
     rebind.unregister()

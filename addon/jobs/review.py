@@ -111,16 +111,25 @@ class Review:
             bpy.ops.object.mode_set(mode="OBJECT")
         self.show(context.scene.lissom_transfer)
 
-    def leave(self, context):
-        """Gives everything back as it was before, but for what was mended."""
-        self.rest(context)
+    def lift(self):
+        """Takes pins and mutes off, until ``show`` is called again.
+
+        What is being sculpted stays the active key: the strokes are written to that one.
+        """
         self._mute()
-        settings, layer = context.scene.lissom_transfer, context.view_layer
-        settings.active_quality = self._row
         for name, (place, only) in self._shown.items():
             obj = bpy.data.objects.get(name)
             if obj is not None:
-                obj.active_shape_key_index, obj.show_only_shape_key = place, only
+                obj.show_only_shape_key = only
+                if obj.mode == "OBJECT":
+                    obj.active_shape_key_index = place
+
+    def leave(self, context):
+        """Gives everything back as it was before, but for what was mended."""
+        self.rest(context)
+        self.lift()
+        settings, layer = context.scene.lissom_transfer, context.view_layer
+        settings.active_quality = self._row
         for obj in layer.objects:
             obj.select_set(obj.name in self._selected)
         layer.objects.active = layer.objects.get(self._active) if self._active else None

@@ -16,7 +16,7 @@ LAYERS = (
     ("bridge", "layouts", "translations", "manual"),
     ("preferences",),
     ("jobs",),
-    ("live", "watch", "rows", "drawing", "properties"),
+    ("live", "watch", "rows", "saving", "drawing", "properties"),
     ("rebind",),
     ("panels", "operators", "commands"),
 )

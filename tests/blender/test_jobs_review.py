@@ -146,3 +146,38 @@ def test_the_tab_has_nothing_else_while_keys_are_reviewed(reviewed):
     drawn = draw(bpy.types.LISSOM_PT_transfer)
     assert set(drawn["operators"]) <= {"lissom.review", "lissom.review_mend", "lissom.quality_select"}
     assert "LISSOM_UL_quality" in drawn["classes"] and "Esc: done" in text(drawn)
+
+
+def saved(path):
+    """{name: (pinned, active key, mutes)} of the objects in a file."""
+    with bpy.data.libraries.load(str(path), link=True) as (there, here):
+        here.objects = list(there.objects)
+    return {
+        obj.name: (
+            obj.show_only_shape_key,
+            obj.active_shape_key_index,
+            [key.mute for key in obj.data.shape_keys.key_blocks],
+        )
+        for obj in here.objects
+        if obj.type == "MESH"
+    }
+
+
+@pytest.mark.parametrize("mending", [False, True])
+def test_a_file_saved_meanwhile_keeps_no_pins(reviewed, tmp_path, mending):
+    review, source, target, before = reviewed
+    target.data.shape_keys.key_blocks[review.key].mute = True
+    review.show(settings())
+    if mending:
+        review.mend(bpy.context)
+    shown = (target.active_shape_key_index, target.show_only_shape_key, target.mode)
+    path = tmp_path / "meanwhile.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
+    assert (target.active_shape_key_index, target.show_only_shape_key, target.mode) == shown
+    assert not target.data.shape_keys.key_blocks[review.key].mute
+    found = saved(path)
+    assert found[source.name][:2] == (before[source.name][1], before[source.name][0])
+    pinned, active, mutes = found[target.name]
+    assert not pinned and mutes[target.data.shape_keys.key_blocks.find(review.key)]
+    assert mending or active == before[target.name][0]
+    review.leave(bpy.context)
