@@ -21,6 +21,7 @@ import bpy  # noqa: E402
 import drawing  # noqa: E402
 import elbow  # noqa: E402
 import face as ict  # noqa: E402
+import guide  # noqa: E402
 import inbetween  # noqa: E402
 import lissom  # noqa: E402
 import pose  # noqa: E402
@@ -68,6 +69,7 @@ def main(arguments):
     figures["picture_seconds"] = studio.seconds
     studio.close()
 
+    guide.write()
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "demo.blend"), compress=True)
     figures["seconds"] = time.perf_counter() - started
     report.write(folder, figures)
