@@ -12,10 +12,11 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import changes, session
+from .bridge.checks import by_uid
 from .bridge.screen import redraw_sidebars
 from .jobs import applied, bound
 
-_due = set()  # names of mesh objects to solve
+_due = set()  # session_uids of mesh objects to solve
 _delay = 0.0  # seconds until the next solve: half of what the last one took, to leave time for drawing
 MAX_DELAY = 0.25
 BUDGET = 1 / 60  # seconds that an iterative method may take in one go while the artist watches
@@ -23,7 +24,7 @@ BUDGET = 1 / 60  # seconds that an iterative method may take in one go while the
 
 def mark(obj):
     """Has the pose of a bound mesh object solved at the next occasion."""
-    _due.add(obj.name)
+    _due.add(obj.session_uid)
     if not bpy.app.background and not bpy.app.timers.is_registered(_flush):
         bpy.app.timers.register(_flush, first_interval=_delay)
 
@@ -31,10 +32,10 @@ def mark(obj):
 def _flush():
     global _delay
     started = time.perf_counter()
-    for name in list(_due):
-        obj = bpy.data.objects.get(name)
+    for uid in list(_due):
+        obj = by_uid(uid)
         if obj is None or not bound.follow(obj, BUDGET):
-            _due.discard(name)
+            _due.discard(uid)
     _delay = min(0.5 * (time.perf_counter() - started), MAX_DELAY)
     redraw_sidebars()
     return _delay if _due else None
@@ -60,7 +61,7 @@ def _on_update(scene, depsgraph):
             mark(obj)
     if bpy.app.background:
         while _due:
-            obj = bpy.data.objects.get(_due.pop())
+            obj = by_uid(_due.pop())
             if obj is not None:
                 bound.follow(obj)
 

@@ -8,6 +8,7 @@ import bpy
 import lissom
 
 from . import changes, live, session
+from .bridge.checks import by_uid
 from .bridge.screen import redraw_sidebars
 from .core.refused import Refused
 from .jobs import bound
@@ -22,37 +23,37 @@ def ask(obj):
         live.mark(obj)
         return
     bound.stop_binding(obj)
-    session.rebinding[obj.name] = None
+    session.rebinding[obj.session_uid] = None
     if bpy.app.timers.is_registered(_poll):
         bpy.app.timers.unregister(_poll)
     bpy.app.timers.register(_poll, first_interval=REST_SECONDS)
 
 
 def _poll():
-    for name in list(session.rebinding):
+    for uid in list(session.rebinding):
         try:
-            if _goes_on(name):
+            if _goes_on(uid):
                 continue
         except (Refused, lissom.Error) as error:
-            session.status[name] = ("ERROR", str(error))
-        session.rebinding.pop(name, None)
+            session.status[uid] = ("ERROR", str(error))
+        session.rebinding.pop(uid, None)
     redraw_sidebars()
     return POLL_SECONDS if session.rebinding else None
 
 
-def _goes_on(name):
+def _goes_on(uid):
     """One look at the work of an object; False where it is done or in vain."""
-    obj, work = bpy.data.objects.get(name), session.rebinding[name]
+    obj, work = by_uid(uid), session.rebinding[uid]
     if obj is None or not obj.lissom_pose.bound:
         return False
     if work is None:
-        work = session.rebinding[name] = bound.bind_again(obj)
-        session.status[name] = ("SORTTIME", "Binding anew, as the options say")
+        work = session.rebinding[uid] = bound.bind_again(obj)
+        session.status[uid] = ("SORTTIME", "Binding anew, as the options say")
     if not work.poll():
         return True
     work.result.forget()
     session.poses[obj.session_uid] = work.result
-    session.status.pop(name, None)
+    session.status.pop(uid, None)
     live.mark(obj)
     return False
 

@@ -1,6 +1,6 @@
 """What lives only in memory: native objects, the running job, and lines of text for the panels.
 
-Nothing here refers to Blender's data: objects are known by name or session_uid, so that undo, deletion and
+Nothing here refers to Blender's data: objects are known by session_uid, so that undo, deletion and
 loading a file leave no dangling reference. All of it can be lost and made again.
 """
 
@@ -10,8 +10,8 @@ poses = {}  # session_uid of a mesh object -> core.pose.BoundPose
 worlds = {}  # session_uid of a bound mesh object -> its matrix (4, 4) when it was last looked at
 skins = {}  # session_uid of a bound mesh object -> core.skin.Skin that it was bound with, where it has one
 stances = {}  # session_uid of a bound mesh object -> bridge.standing.stance at Bind
-rebinding = {}  # name of a mesh object -> core.work.Work that binds it anew, None before it starts
-status = {}  # name of a mesh object -> (icon, text) about its live pose
+rebinding = {}  # session_uid of a mesh object -> core.work.Work that binds it anew, None before it starts
+status = {}  # session_uid of a mesh object -> (icon, text) about its live pose
 fit = None  # jobs.fit.Memory: the last fit
 work = None  # core.work.Work that a modal operator runs now; there is at most one
 edited = {}  # session_uid of a mesh object -> {name of a shape key: whether it was edited by hand}

@@ -5,11 +5,12 @@ from bpy.app.handlers import persistent
 
 from . import session
 from .bridge import arcs
+from .bridge.checks import by_uid
 from .bridge.screen import redraw_sidebars
 
 REST_SECONDS = 0.7
 
-_due = set()  # names of mesh objects to look at
+_due = set()  # session_uids of mesh objects to look at
 
 
 def look(obj):
@@ -26,7 +27,7 @@ def _on_update(scene, depsgraph):
             continue
         obj = change.id.original
         if obj.type == "MESH" and len(obj.lissom_inbetween.arcs):
-            _due.add(obj.name)
+            _due.add(obj.session_uid)
     if _due and not bpy.app.background:  # anew with every change: not while an artist sculpts or an arc plays
         if bpy.app.timers.is_registered(_flush):
             bpy.app.timers.unregister(_flush)
@@ -34,8 +35,8 @@ def _on_update(scene, depsgraph):
 
 
 def _flush():
-    for name in list(_due):
-        obj = bpy.data.objects.get(name)
+    for uid in list(_due):
+        obj = by_uid(uid)
         if obj is not None and obj.type == "MESH" and obj.mode == "OBJECT":
             look(obj)
     _due.clear()

@@ -18,6 +18,11 @@ def mesh_object(name, context):
     return require_mesh(obj)
 
 
+def by_uid(uid):
+    """The object of a session_uid, whatever it is called now, or None."""
+    return next((obj for obj in bpy.data.objects if obj.session_uid == uid), None)
+
+
 def require_mesh(obj):
     """The object; Refused where it is none of a mesh."""
     if obj.type != "MESH":

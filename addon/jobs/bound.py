@@ -54,7 +54,7 @@ def current(obj):
     reason = poses.foreign_handles(obj)
     if reason:
         raise Refused(reason)
-    if obj.name in session.rebinding:
+    if obj.session_uid in session.rebinding:
         raise Refused(f"'{obj.name}' is still being bound anew: wait a moment")
     linear = poses.linear_part(obj)
     if settings.stood and has_moved(obj):
@@ -118,13 +118,16 @@ def follow(obj, seconds=None):
         vertices, _ = pose.solve(motion, **options)
         show(obj, vertices)
     except (Refused, lissom.Error) as error:
-        session.status[obj.name] = ("ERROR", str(error))
+        session.status[obj.session_uid] = ("ERROR", str(error))
         return False
     except Exception as error:  # a bug of ours: shown and printed once, not at every move of the mouse
         settings.live = False
-        session.status[obj.name] = ("ERROR", f"Live is off after an error: {error}")
+        session.status[obj.session_uid] = ("ERROR", f"Live is off after an error: {error}")
         raise
-    session.status[obj.name] = ("CHECKMARK", f"Solved in {1e3 * (time.perf_counter() - started):.0f} ms")
+    session.status[obj.session_uid] = (
+        "CHECKMARK",
+        f"Solved in {1e3 * (time.perf_counter() - started):.0f} ms",
+    )
     return not pose.converged
 
 
@@ -169,7 +172,7 @@ def has_moved(obj):
 
 def stop_binding(obj):
     """Stops the work that binds an object anew, as its options were changed."""
-    work = session.rebinding.pop(obj.name, None)
+    work = session.rebinding.pop(obj.session_uid, None)
     if work is not None:
         work.cancel()
 
@@ -182,4 +185,4 @@ def forget(obj):
     for row in obj.lissom_pose.company:
         if row.object is not None:
             session.skins.pop(row.object.session_uid, None)
-    session.status.pop(obj.name, None)
+    session.status.pop(obj.session_uid, None)

@@ -123,7 +123,7 @@ class Bind:
             session.skins[obj.session_uid] = self._skin
             session.stances[obj.session_uid] = standing.stance(obj)
         told = "Bound: move an Empty"
-        session.status[obj.name] = ("CHECKMARK", told)
+        session.status[obj.session_uid] = ("CHECKMARK", told)
         return PoseDone(summary=told, warnings=warnings, object=obj.name)
 
     def _flat(self, obj):
@@ -153,7 +153,7 @@ class Solve:
         obj = self._mesh.find()
         bound.show(obj, vertices)
         rest = self._unrest(report)
-        session.status[obj.name] = ("ERROR", *rest) if rest else ("CHECKMARK", "Solved to the end")
+        session.status[obj.session_uid] = ("ERROR", *rest) if rest else ("CHECKMARK", "Solved to the end")
         warnings = [*self._pose.warnings, *rest]
         return PoseDone(summary=f"'{obj.name}' is solved", warnings=warnings, object=obj.name)
 

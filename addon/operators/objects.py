@@ -1,7 +1,10 @@
 """The mesh objects that operators are told by name."""
 
+from bpy.props import StringProperty
+
 from ..bridge import checks
 from ..core.refused import Refused
+from .job import writable_mesh
 
 OBJECT = {
     "name": "Object",
@@ -18,6 +21,16 @@ TARGET = {
     "description": "Name of the target object, with further ones, one a line; empty: the scene's",
     "options": {"SKIP_SAVE"},
 }
+
+
+class BoundObject:
+    """Mixin: an operator on a mesh object that is bound."""
+
+    object: StringProperty(**OBJECT)
+
+    @classmethod
+    def poll(cls, context):
+        return writable_mesh(cls, context, bound=True)
 
 
 def unbound_object(name, context):

@@ -6,18 +6,17 @@ from bpy.props import BoolProperty, FloatProperty, StringProperty
 from ..jobs.pose import Apply, ApplyAsked
 from ..properties.options import iterations_property
 from ..properties.transfer_options import exists_property
-from .job import JobRunner, writable_mesh
-from .objects import OBJECT
+from .job import JobRunner
+from .objects import BoundObject
 
 
-class LISSOM_OT_pose_apply(JobRunner, bpy.types.Operator):
+class LISSOM_OT_pose_apply(BoundObject, JobRunner, bpy.types.Operator):
     """Keep the pose as a shape key, and put the handles back for the next one"""
 
     bl_idname = "lissom.pose_apply"
     bl_label = "Apply as Shape Key"
     bl_options = {"REGISTER", "UNDO"}
 
-    object: StringProperty(**OBJECT)
     name: StringProperty(name="Name", description="Name of the shape key", default="Pose")
     exists: exists_property("RENAME")
     value: FloatProperty(
@@ -33,10 +32,6 @@ class LISSOM_OT_pose_apply(JobRunner, bpy.types.Operator):
     )
 
     job_class, asked_class = Apply, ApplyAsked
-
-    @classmethod
-    def poll(cls, context):
-        return writable_mesh(cls, context, bound=True)
 
 
 classes = (LISSOM_OT_pose_apply,)

@@ -6,26 +6,21 @@ from bpy.props import StringProperty
 from ..jobs.pose_bake import BakeAsked, BakePose
 from ..properties.options import iterations_property
 from .baking import CACHE_FILE, BakeProperties
-from .job import JobRunner, writable_mesh
-from .objects import OBJECT
+from .job import JobRunner
+from .objects import BoundObject
 
 
-class LISSOM_OT_pose_bake(BakeProperties, JobRunner, bpy.types.Operator):
+class LISSOM_OT_pose_bake(BoundObject, BakeProperties, JobRunner, bpy.types.Operator):
     """Bake the motion of the handles over a range of frames, and unbind the mesh, which then plays it"""
 
     bl_idname = "lissom.pose_bake"
     bl_label = "Bake Animation"
     bl_options = {"REGISTER", "UNDO"}
 
-    object: StringProperty(**OBJECT)
     filepath: StringProperty(**CACHE_FILE)
     max_iterations: iterations_property()
 
     job_class = BakePose
-
-    @classmethod
-    def poll(cls, context):
-        return writable_mesh(cls, context, bound=True)
 
     def asked(self, context):
         return BakeAsked.of(self, frames=self.frames(context.scene))

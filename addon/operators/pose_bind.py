@@ -19,7 +19,7 @@ from ..properties.pose import (
     weld_property,
 )
 from .job import JobRunner, allowed, answering, shown_object, writable_mesh
-from .objects import OBJECT
+from .objects import OBJECT, BoundObject
 
 
 class _Options:
@@ -94,53 +94,36 @@ class LISSOM_OT_pose_bind(_Options, JobRunner, bpy.types.Operator):
         return BindAsked(object=self.object, pose=self.pose_asked(), stands=self.stands, company=names)
 
 
-class LISSOM_OT_pose_update(JobRunner, bpy.types.Operator):
+class LISSOM_OT_pose_update(BoundObject, JobRunner, bpy.types.Operator):
     """Let the mesh follow its handles now, until the method has converged"""
 
     bl_idname = "lissom.pose_update"
     bl_label = "Update"
     bl_options = {"REGISTER", "UNDO"}
 
-    object: StringProperty(**OBJECT)
     max_iterations: iterations_property()
 
     job_class, asked_class = Solve, SolveAsked
 
-    @classmethod
-    def poll(cls, context):
-        return writable_mesh(cls, context, bound=True)
 
-
-class LISSOM_OT_pose_reset(bpy.types.Operator):
+class LISSOM_OT_pose_reset(BoundObject, bpy.types.Operator):
     """Put the handles back where they were at Bind"""
 
     bl_idname = "lissom.pose_reset"
     bl_label = "Reset Handles"
     bl_options = {"REGISTER", "UNDO"}
 
-    object: StringProperty(**OBJECT)
-
-    @classmethod
-    def poll(cls, context):
-        return writable_mesh(cls, context, bound=True)
-
     @answering
     def execute(self, context):
         reset(context, self.object)
 
 
-class LISSOM_OT_pose_unbind(bpy.types.Operator):
+class LISSOM_OT_pose_unbind(BoundObject, bpy.types.Operator):
     """Release the mesh: the pose is dropped and the handles go back, applied poses stay"""
 
     bl_idname = "lissom.pose_unbind"
     bl_label = "Unbind"
     bl_options = {"REGISTER", "UNDO"}
-
-    object: StringProperty(**OBJECT)
-
-    @classmethod
-    def poll(cls, context):
-        return writable_mesh(cls, context, bound=True)
 
     @answering
     def execute(self, context):

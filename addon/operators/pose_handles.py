@@ -12,31 +12,32 @@ from .job import allowed, answering, shown_object, writable_mesh
 from .objects import OBJECT, unbound_object
 
 
-def _poll(operator_class, context):
-    """Like job.writable_mesh, but edit mode is welcome: that is where vertices are selected."""
-    obj = shown_object(context)
-    if obj is not None and obj.mode == "EDIT" and not obj.lissom_pose.bound:
-        return allowed(operator_class, "")
-    return writable_mesh(operator_class, context, bound=False)
+class _UnboundObject:
+    """Mixin: an operator on a mesh object that is not bound."""
+
+    object: StringProperty(**OBJECT)
+
+    @classmethod
+    def poll(cls, context):
+        """Like job.writable_mesh, but edit mode is welcome: that is where vertices are selected."""
+        obj = shown_object(context)
+        if obj is not None and obj.mode == "EDIT" and not obj.lissom_pose.bound:
+            return allowed(cls, "")
+        return writable_mesh(cls, context, bound=False)
 
 
-class LISSOM_OT_pose_handle_add(bpy.types.Operator):
+class LISSOM_OT_pose_handle_add(_UnboundObject, bpy.types.Operator):
     """Make a handle of a vertex group: an Empty at its centre that will move its vertices"""
 
     bl_idname = "lissom.pose_handle_add"
     bl_label = "Add Handle"
     bl_options = {"REGISTER", "UNDO"}
 
-    object: StringProperty(**OBJECT)
     vertex_group: StringProperty(
         name="Vertex Group",
         description="The vertices to move. Empty: a new group of the vertices selected in Edit Mode",
         options={"SKIP_SAVE"},
     )
-
-    @classmethod
-    def poll(cls, context):
-        return _poll(cls, context)
 
     @answering
     def execute(self, context):
@@ -66,21 +67,16 @@ class LISSOM_OT_pose_handle_add(bpy.types.Operator):
         obj.lissom_pose.property_unset("reach")
 
 
-class LISSOM_OT_pose_handle_remove(bpy.types.Operator):
+class LISSOM_OT_pose_handle_remove(_UnboundObject, bpy.types.Operator):
     """Remove a handle and its Empty; the vertex group stays"""
 
     bl_idname = "lissom.pose_handle_remove"
     bl_label = "Remove Handle"
     bl_options = {"REGISTER", "UNDO"}
 
-    object: StringProperty(**OBJECT)
     handle: StringProperty(
         name="Handle", description="Name of its vertex group; empty: the active one", options={"SKIP_SAVE"}
     )
-
-    @classmethod
-    def poll(cls, context):
-        return _poll(cls, context)
 
     @answering
     def execute(self, context):
@@ -122,19 +118,14 @@ class LISSOM_OT_pose_handle_select(bpy.types.Operator):
         context.view_layer.objects.active = handle.empty
 
 
-class LISSOM_OT_pose_region_from_selection(bpy.types.Operator):
+class LISSOM_OT_pose_region_from_selection(_UnboundObject, bpy.types.Operator):
     """Make a vertex group of the vertices selected in Edit Mode, and let only those move"""
 
     bl_idname = "lissom.pose_region_from_selection"
     bl_label = "Region from Selection"
     bl_options = {"REGISTER", "UNDO"}
 
-    object: StringProperty(**OBJECT)
     name: StringProperty(name="Vertex Group", description="Name of the new vertex group", default="Region")
-
-    @classmethod
-    def poll(cls, context):
-        return _poll(cls, context)
 
     @answering
     def execute(self, context):

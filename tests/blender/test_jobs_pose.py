@@ -33,7 +33,7 @@ def test_bind_solve_apply_and_unbind_return_what_they_did():
     obj.lissom_pose.live = False
     scene.empty(obj, "top").location.x += 0.5
     done = run(pose.Solve(bpy.context, pose.SolveAsked(object="Tube")))
-    assert done.summary == "'Tube' is solved" and session.status["Tube"][0] == "CHECKMARK"
+    assert done.summary == "'Tube' is solved" and session.status[obj.session_uid][0] == "CHECKMARK"
     shown = scene.shown(obj)
     done = run(pose.Apply(bpy.context, pose.ApplyAsked(object="Tube", name="Bent")))
     assert done.written == {"Tube": "Bent"}
@@ -51,9 +51,9 @@ def test_a_solve_that_does_not_converge_says_so_until_one_does():
     scene.empty(obj, "top").rotation_euler.x = 1.5
     done = run(pose.Solve(bpy.context, pose.SolveAsked(object="Tube", max_iterations=1)))
     assert done.warnings[-1] == "Not converged after 1 iterations: raise Iterations"
-    assert session.status["Tube"] == ("ERROR", done.warnings[-1])
+    assert session.status[obj.session_uid] == ("ERROR", done.warnings[-1])
     run(pose.Solve(bpy.context, pose.SolveAsked(object="Tube")))
-    assert session.status["Tube"][0] == "CHECKMARK"
+    assert session.status[obj.session_uid][0] == "CHECKMARK"
 
 
 def test_what_bind_has_to_say_stays_in_the_panel_until_it_is_dismissed():
@@ -63,7 +63,7 @@ def test_what_bind_has_to_say_stays_in_the_panel_until_it_is_dismissed():
     assert "The pose starts from the Basis" in obj.lissom_pose.warnings
     scene.empty(obj, "top").location.x += 0.5
     bpy.context.view_layer.update()
-    assert session.status["Tube"][1].startswith("Solved")
+    assert session.status[obj.session_uid][1].startswith("Solved")
     assert "The pose starts from the Basis" in obj.lissom_pose.warnings
     with scene.refused("There is no line 9"):
         bpy.ops.lissom.warning_dismiss(page="POSE", object="Tube", line=9)

@@ -635,7 +635,7 @@ def test_row_26_faces_changed_since_bind_with_equal_counts():
     reverse_a_face(obj)
     scene.empty(obj, "top").location.x += 1
     bpy.context.view_layer.update()
-    assert "remodelled since Bind" in session.status[obj.name][1]
+    assert "remodelled since Bind" in session.status[obj.session_uid][1]
     for operator in (bpy.ops.lissom.pose_update, bpy.ops.lissom.pose_apply, bpy.ops.lissom.pose_reset):
         with scene.refused("was remodelled since Bind: press Unbind, then Bind"):
             operator(object=obj.name)
@@ -759,7 +759,7 @@ def test_row_36_a_bad_scale_of_a_bound_object(scale, message, capfd):
     for _ in range(3):
         top.location.x += 0.5
         bpy.context.view_layer.update()
-        assert message in session.status[obj.name][1]
+        assert message in session.status[obj.session_uid][1]
     assert "Traceback" not in capfd.readouterr().err
     for operator in ("update", "apply", "reset", "unbind"):
         with pytest.raises(RuntimeError, match=message) as caught:
@@ -802,7 +802,7 @@ def test_a_bug_in_live_is_told_once(monkeypatch):
     with pytest.raises(ZeroDivisionError):
         follow(obj)
     assert not obj.lissom_pose.live
-    assert "Live is off after an error: division by zero" in session.status[obj.name][1]
+    assert "Live is off after an error: division by zero" in session.status[obj.session_uid][1]
     assert not follow(obj)
 
 

@@ -61,7 +61,7 @@ def pose(obj):
     scene.empty(obj, "top").location.x += 1
     scene.empty(obj, "top").rotation_euler.y = 0.3
     bpy.context.view_layer.update()
-    assert session.status[obj.name][0] == "CHECKMARK", session.status[obj.name]
+    assert session.status[obj.session_uid][0] == "CHECKMARK", session.status[obj.session_uid]
     rest, shown = scene.key_points(obj, "Basis"), scene.shown(obj)
     assert np.isfinite(shown).all()
     return rest, shown
@@ -258,7 +258,9 @@ def test_row_4_a_pose_beyond_single_precision_is_refused(method):
     for empty in [handle.empty for handle in obj.lissom_pose.handles]:
         empty.location.z += 1e38
     bpy.context.view_layer.update()
-    assert "beyond the largest coordinate that Blender can hold, 3.4e+38" in session.status[obj.name][1]
+    assert (
+        "beyond the largest coordinate that Blender can hold, 3.4e+38" in session.status[obj.session_uid][1]
+    )
     assert_array_equal(scene.key_points(obj, PREVIEW), scene.key_points(obj, "Basis"))
     for operator in (bpy.ops.lissom.pose_update, bpy.ops.lissom.pose_apply):
         with scene.refused("beyond"):
@@ -308,7 +310,7 @@ def test_row_25_a_group_renamed_before_bind_or_before_loading_is_named(method, l
     message = f"Vertex group '{lost}' is missing: it was renamed or removed"
     scene.empty(obj, "top").location.x += 1
     bpy.context.view_layer.update()
-    assert message in session.status["Tube"][1]
+    assert message in session.status[obj.session_uid][1]
     with scene.refused(message):
         bpy.ops.lissom.pose_apply(object="Tube")
     bpy.ops.lissom.pose_unbind(object="Tube")
@@ -334,6 +336,6 @@ def test_row_26_faces_changed_since_bind_or_while_the_file_was_closed(method, tm
     )
     scene.empty(obj, "top").location.x += 1
     bpy.context.view_layer.update()
-    assert "remodelled since Bind" in session.status["Tube"][1]
+    assert "remodelled since Bind" in session.status[obj.session_uid][1]
     with scene.refused("was remodelled since Bind: press Unbind, then Bind"):
         bpy.ops.lissom.pose_update(object="Tube")
