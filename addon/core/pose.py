@@ -88,7 +88,7 @@ def bind_work(vertices, triangles, corners, handles, weights, roi, asked, mirror
         mesh = lissom.Mesh(all_vertices, all_triangles, weld=0.0 if asked.weld else None)
         region, known = roi, asked
         if roi is None and len(handles) == 1:
-            region, reach = stays.moving(mesh, all_triangles, handles[0], asked.stays, asked.reach)
+            region, reach = stays.moving(mesh, handles[0], asked.stays, asked.reach)
             known = asked._replace(reach=reach)
         pose = yield lissom.start_pose(
             mesh,

@@ -19,16 +19,16 @@ STAYS = [
 _LEAST, _MOST = 0.1, 0.5
 
 
-def moving(mesh, triangles, handle, stays, reach):
+def moving(mesh, handle, stays, reach):
     """((k,) vertices that may move or None for all, the distance) where ``handle`` (h,) is all that is held.
 
-    ``mesh`` is a lissom.Mesh with ``triangles`` (m, 3), ``stays`` one of STAYS; ``reach`` is the distance
-    along edges of what is far, in the mesh's units, or 0 for a suggestion by the size of the handle.
+    ``mesh`` is a lissom.Mesh, ``stays`` one of STAYS; ``reach`` is the distance along edges of what is far,
+    in the mesh's units, or 0 for a suggestion by the size of the handle.
     """
     if stays == "NOTHING":
         return None, reach
     if stays == "BORDER":
-        held = np.setdiff1d(_borders(triangles), handle)
+        held = np.setdiff1d(mesh.border, handle)
         if not len(held):
             raise Refused(
                 "The mesh has no open border that could stay: let what is far stay, or add a handle"
@@ -42,12 +42,3 @@ def moving(mesh, triangles, handle, stays, reach):
         reach = float(str(np.float32(reach)))  # as Blender keeps it
     far = reached & (away > reach)
     return (np.flatnonzero(~far) if far.any() else None), reach
-
-
-def _borders(triangles):
-    """The vertices on edges with a face on one side only."""
-    edges = np.sort(
-        np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1
-    )
-    found, counts = np.unique(edges, axis=0, return_counts=True)
-    return np.unique(found[counts == 1])

@@ -95,6 +95,12 @@ class Mesh:
     def components(self) -> int:
         """Number of connected components."""
     @property
+    def component_of_vertex(self) -> NDArray[np.int64]:
+        """(n,): the number of the connected component of each vertex, from 0; -1 for one in no face."""
+    @property
+    def border(self) -> NDArray[np.int64]:
+        """(k,): the vertices on open borders, ascending, as at the neck of a head; welded seams are none."""
+    @property
     def warnings(self) -> list[str]:
         """What was mended or is doubtful."""
     def edge_distances(self, vertices: ArrayLike) -> NDArray[np.float64]:

@@ -54,6 +54,21 @@ impl PyMesh {
         self.0.components().count()
     }
 
+    /// (n,) int64: the number of the connected component of each vertex, from 0; -1 for one in no face.
+    #[getter]
+    fn component_of_vertex(&self, py: Python<'_>) -> Py<PyAny> {
+        let (components, vertices) = (self.0.components(), self.0.vertices().len());
+        let representative = |v| self.0.representative(v as u32) as usize;
+        let number = |v| components.of_vertex(representative(v)).map_or(-1, |c| c as i64);
+        arrays::from_integers(py, (0..vertices).map(number))
+    }
+
+    /// (k,) int64: the vertices on open borders, ascending; those of welded seams are none.
+    #[getter]
+    fn border(&self, py: Python<'_>) -> Py<PyAny> {
+        arrays::from_integers(py, self.0.border().into_iter().map(i64::from))
+    }
+
     /// (n,) float64: how far each vertex is from the nearest of `vertices`, (k,) indices, along edges, in the mesh's
     /// own units; inf where no edges lead. Raises InvalidConstraint for no vertices and indices out of range.
     fn edge_distances(&self, py: Python<'_>, vertices: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {

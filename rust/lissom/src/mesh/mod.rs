@@ -240,6 +240,18 @@ impl Mesh {
         &self.components
     }
 
+    /// The vertices on open borders, ascending: those at an edge with a triangle on one side only. Welded seams are none.
+    pub fn border(&self) -> Vec<u32> {
+        let mut on_border = vec![false; self.vertices.len()];
+        for (e, edge) in self.adjacency.edges().iter().enumerate() {
+            if self.adjacency.sides_of(e).len() == 1 {
+                edge.iter().for_each(|&v| on_border[v as usize] = true);
+            }
+        }
+        self.follow(&mut on_border);
+        (0u32..).zip(on_border).filter_map(|(v, on)| on.then_some(v)).collect()
+    }
+
     /// How far each vertex is from the nearest of `sources` along edges, in the mesh's own units; infinite where no
     /// edges lead.
     ///
