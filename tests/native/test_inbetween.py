@@ -594,3 +594,18 @@ def test_what_is_still_to_single_precision_is_still(rotation, noise, place):
     assert np.abs(found - clean).max() < 50 * size
     straight = start + times[:, None, None] * (noisy_end - start)
     assert np.abs(found - straight)[:, held].max() < 1e-12 * np.abs(start).max()
+
+
+def test_a_straight_path_has_no_keys_by_rounding():
+    """Shifts in single precision are off their straight line by 1e-12; more keys would follow that."""
+    start, faces, _ = twisted_tube()
+    start = start.astype(np.float32).astype(float)
+    middle, end = ((start + shift).astype(np.float32).astype(float) for shift in ([1, 2, 3], [2, 1, 0]))
+    mesh = lissom.Mesh(start, faces)
+    straight = lissom.Inbetween(mesh, start, end).keyframes(count=8)
+    assert list(straight) == [0.0, 1.0] and 0 < straight.error < 1e-6
+    legs = lissom.Inbetween(mesh, start, end, through=[(0.4, middle)]).keyframes(count=8)
+    assert list(legs) == [0.0, 0.4, 1.0]
+    bent = moved(rigid((0, 0, 1), 0.8), middle)
+    mixed = lissom.Inbetween(mesh, start, bent, through=[(0.4, middle)]).keyframes(count=8)
+    assert list(mixed[:2]) == [0.0, 0.4] and len(mixed) == 8

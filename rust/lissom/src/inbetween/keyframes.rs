@@ -12,20 +12,14 @@
 use rayon::prelude::*;
 
 use super::path::Inbetween;
-use crate::{Error, Fault, Job, Result, Vec3, memory};
+use super::sampled::{Sampled, Track, midpoint};
+use crate::{Error, Fault, Job, Result, Vec3};
 
 /// Keys lie on multiples of `1 / GRID`; a power of two, fine enough for 32 even segments.
 const GRID: usize = 2048;
 
 /// Errors are looked at on every so many grid times.
 const STRIDE: usize = 2;
-
-/// The path is solved at this many steps at least and at most, and interpolated between them.
-const STEPS: (usize, usize) = (16, 256);
-
-/// Steps are halved until cubic interpolation from every other one is off by at most this fraction of
-/// the tolerance. From all of them it is then off by a sixteenth of that.
-const INTERPOLATION: f64 = 1.0 / 32.0;
 
 /// Share of the tolerance kept in hand for what interpolation and the stride do not see: up to 1/512
 /// for the one, and `(keys STRIDE / GRID)^2`, 1/1024 at 32 keys, for the other.
@@ -53,9 +47,6 @@ pub struct Keyframes {
     pub warnings: Vec<String>,
 }
 
-/// The arc `y` of one vertex at equal steps from 0 to 1.
-type Track = Vec<Vec3>;
-
 impl Inbetween {
     /// The fewest times, with 0 and 1 among them, whose straight-line playback stays within
     /// `tolerance` (in the mesh's own units) of the path at every vertex and time.
@@ -74,9 +65,9 @@ impl Inbetween {
         if max_keys < 2 {
             return invalid("max_keys", "less than 2: both ends are keys");
         }
-        let (tracks, unseen) = self.tracks(|_| tolerance, job)?;
-        let found = search(&tracks, Some(tolerance * (1.0 - IN_HAND)), max_keys, job)?;
-        let error = found.error + unseen;
+        let sampled = self.sampled(|_| Some(tolerance), job)?;
+        let found = search(&sampled.tracks, Some(tolerance * (1.0 - IN_HAND)), max_keys, job)?;
+        let error = found.error + sampled.unseen;
         let warnings = match found.enough {
             true if error <= tolerance => Vec::new(),
             true => vec![format!("tolerance: the path changes too fast to be sure of less than {error:.3e}")],
@@ -86,7 +77,7 @@ impl Inbetween {
     }
 
     /// The `count` times, with 0 and 1 among them, whose straight-line playback has the least error; fewer where they do as
-    /// well.
+    /// well. Of a path that is straight to single precision these are 0 and 1: the rest is rounding.
     ///
     /// # Errors
     ///
@@ -95,58 +86,15 @@ impl Inbetween {
         if count < 2 {
             return Err(Error::InvalidValue(Fault::new("count", "less than 2: both ends are keys")));
         }
-        // A chord over a fraction of an arc is off by about the square of that fraction.
-        let segments = (count - 1) as f64;
-        let (tracks, unseen) = self.tracks(|farthest| 0.5 * farthest / (segments * segments), job)?;
-        let found = search(&tracks, None, count, job)?;
-        Ok(Keyframes { times: found.times, error: found.error + unseen, warnings: Vec::new() })
+        self.sampled_for(count, job)?.keyframes(count, job)
     }
+}
 
-    /// The arcs of all vertices that leave the straight line, in the mesh's own units; `tolerance` of the largest arc.
-    /// With them, where no number of steps was enough, what they are off between the steps.
-    fn tracks(&self, tolerance: impl Fn(f64) -> f64, job: &Job) -> Result<(Vec<Track>, f64)> {
-        let n = self.shapes.stationary.len();
-        let mut steps = 1;
-        let mut arcs = vec![vec![Vec3::ZERO; n]; 2];
-        let mut last = f64::INFINITY;
-        let unseen = loop {
-            // The new steps, and in the end all of them once more, vertex by vertex.
-            memory::check(
-                "the sampled path",
-                size_of::<Vec3>() as u128 * (3 * steps + 1) as u128 * n as u128,
-            )?;
-            let between: Vec<f64> = (0..steps).map(|k| (k as f64 + 0.5) / steps as f64).collect();
-            let mut new = Vec::with_capacity(steps);
-            for chunk in between.chunks(8) {
-                job.report(new.len() as f64 / steps as f64, "sampling the path");
-                new.extend(self.arcs(chunk, job)?);
-            }
-            let off = (0..steps).into_par_iter().map(|k| {
-                (0..n).map(|v| midpoint(steps, k, |i| arcs[i][v]).distance(new[k][v])).fold(0.0, f64::max)
-            });
-            let off = off.reduce(|| 0.0, f64::max) * self.shapes.scale;
-            let mut merged = Vec::with_capacity(2 * steps + 1);
-            let mut old = arcs.into_iter();
-            for (a, b) in old.by_ref().zip(new) {
-                merged.extend([a, b]);
-            }
-            merged.push(vec![Vec3::ZERO; n]);
-            arcs = merged;
-            steps *= 2;
-            let largest = arcs.par_iter().map(|y| y.iter().map(|y| y.length_squared()).fold(0.0, f64::max));
-            let tolerance = tolerance(largest.reduce(|| 0.0, f64::max).sqrt() * self.shapes.scale);
-            if steps >= STEPS.0 && off <= INTERPOLATION * tolerance {
-                break 0.0;
-            }
-            if steps >= STEPS.1 {
-                // It goes on falling as it did.
-                break off * (off / last).min(1.0);
-            }
-            last = off;
-        };
-        let moves = |v: &usize| arcs.iter().any(|y| y[*v] != Vec3::ZERO);
-        let vertices = (0..n).into_par_iter().filter(moves);
-        Ok((vertices.map(|v| arcs.iter().map(|y| y[v] * self.shapes.scale).collect()).collect(), unseen))
+impl Sampled {
+    /// The `count` times with the least error, or fewer.
+    pub fn keyframes(&self, count: usize, job: &Job) -> Result<Keyframes> {
+        let found = search(&self.tracks, None, count, job)?;
+        Ok(Keyframes { times: found.times, error: found.error + self.unseen, warnings: Vec::new() })
     }
 }
 
@@ -189,19 +137,6 @@ fn search(tracks: &[Track], aim: Option<f64>, most: usize, job: &Job) -> Result<
         }
         known.extend(offenders);
     }
-}
-
-/// Half way between steps `k` and `k + 1` of `steps`, by the cubic through the four nearest.
-fn midpoint(steps: usize, k: usize, y: impl Fn(usize) -> Vec3) -> Vec3 {
-    if steps < 3 {
-        return (y(k) + y(k + 1)) * 0.5;
-    }
-    let (first, weights) = match k {
-        0 => (0, [5.0, 15.0, -5.0, 1.0]),
-        _ if k + 1 == steps => (k - 2, [1.0, -5.0, 15.0, 5.0]),
-        _ => (k - 1, [-1.0, 9.0, 9.0, -1.0]),
-    };
-    (0..4).map(|i| y(first + i) * weights[i]).sum::<Vec3>() / 16.0
 }
 
 /// A track on the grid.

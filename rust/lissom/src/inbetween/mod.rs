@@ -57,6 +57,7 @@ mod relative;
 mod riders;
 mod rotations;
 mod route;
+mod sampled;
 mod screw;
 mod shapes;
 mod stretch;

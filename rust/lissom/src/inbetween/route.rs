@@ -161,12 +161,14 @@ impl Route {
             return leg.keyframes_by_count(count, job);
         }
         self.check_count("count", count)?;
-        let legs = self.legs.iter().map(|leg| leg.keyframes_by_count(2, job));
-        let mut legs = legs.collect::<Result<Vec<_>>>()?;
+        // As fine as for the most keys that a leg can get.
+        let most = count - self.legs.len() + 1;
+        let sampled = self.legs.iter().map(|leg| leg.sampled_for(most, job)).collect::<Result<Vec<_>>>()?;
+        let mut legs = sampled.iter().map(|leg| leg.keyframes(2, job)).collect::<Result<Vec<_>>>()?;
         for _ in self.knots.len()..count {
             let worst = (0..legs.len()).max_by(|&i, &j| legs[i].error.total_cmp(&legs[j].error));
-            let Some(worst) = worst.filter(|&k| legs[k].error > 0.0) else { break };
-            legs[worst] = self.legs[worst].keyframes_by_count(legs[worst].times.len() + 1, job)?;
+            let Some(worst) = worst.filter(|&k| !sampled[k].is_met_by(legs[k].error)) else { break };
+            legs[worst] = sampled[worst].keyframes(legs[worst].times.len() + 1, job)?;
         }
         Ok(self.join(&legs))
     }

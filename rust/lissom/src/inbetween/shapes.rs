@@ -48,8 +48,8 @@ pub(super) struct Shapes {
     /// Vertices that are in the same place in all shapes, to single precision.
     pub stationary: Vec<bool>,
     pub riders: Riders,
-    /// Vertices that move by no more are still.
-    rounding: f64,
+    /// Vertices that move by no more are still, and a path that is no farther off its straight line is straight.
+    pub rounding: f64,
     hats: Vec<Vec<HatGradients>>,
     /// Slivers.
     pub warnings: Vec<String>,
