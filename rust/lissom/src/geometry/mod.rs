@@ -9,8 +9,9 @@
 //! | [`polyline`] | paths and loops by arc length |
 //! | [`plane`] | mirror images and twins |
 //! | [`surface`] | closest points, barycentric coordinates |
-//! | [`solid`] | inside and outside |
+//! | [`solid`], [`body`] | inside and outside; how deep |
 
+pub mod body;
 pub mod frame;
 pub mod groups;
 pub mod plane;

@@ -4,10 +4,8 @@
 //! Signed Distance Computation Using the Angle Weighted Pseudonormal); parry has them.
 
 use parry3d_f64::query::PointQueryWithLocation;
-use parry3d_f64::shape::{TriMesh, TriMeshFlags};
+use parry3d_f64::shape::{TriMesh, TriMeshFlags, TrianglePointLocation};
 
-use super::groups::Groups;
-use super::rows::Rows;
 use super::surface::{Hit, weights};
 use crate::Vec3;
 
@@ -33,24 +31,6 @@ impl Solid {
         TriMesh::with_flags(vertices, triangles, TriMeshFlags::ORIENTED).ok().map(Self)
     }
 
-    /// The connected parts of `triangles`, each for itself: where they overlap, what is in any of them is inside.
-    pub fn parts(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Self> {
-        let joined = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [a, c]]);
-        let groups = Groups::joining(vertices.len(), joined);
-        let part = |t: &[u32; 3]| groups.of()[t[0] as usize];
-        let of_part = Rows::sort(groups.count(), triangles.iter().map(|t| (part(t), *t)));
-        let mut place = vec![0u32; vertices.len()];
-        let members = groups.members();
-        for part in members.iter() {
-            (0u32..).zip(part).for_each(|(k, &v)| place[v as usize] = k);
-        }
-        let solid = |(part, own): (&[u32], &[[u32; 3]])| {
-            let corners = own.iter().map(|t| t.map(|v| place[v as usize])).collect();
-            Self::new(part.iter().map(|&v| vertices[v as usize]).collect(), corners)
-        };
-        members.iter().zip(of_part.iter()).filter_map(solid).collect()
-    }
-
     /// The side of a point that is within `reach` of the surface.
     pub fn side(&self, point: Vec3, reach: f64) -> Option<SignedDistance> {
         let (nearest, (triangle, location)) =
@@ -64,10 +44,27 @@ impl Solid {
         })
     }
 
-    /// How deep a point is inside, and the nearest point of the surface; `None` outside.
-    pub fn depth(&self, point: Vec3) -> Option<(f64, Vec3)> {
-        let side = self.0.local_aabb().contains_local_point(point).then(|| self.side(point, f64::MAX))??;
-        (side.signed_distance < 0.0).then_some((side.hit.distance, side.hit.point))
+    /// Whether a point is inside, whose nearest point of the surface is at a place of a triangle.
+    pub(super) fn is_behind(
+        &self,
+        point: Vec3,
+        nearest: Vec3,
+        triangle: u32,
+        location: TrianglePointLocation,
+    ) -> bool {
+        let normals = self.0.pseudo_normals();
+        let at_vertex = |k: u32| {
+            let vertex = self.0.indices()[triangle as usize][k as usize];
+            normals.and_then(|normals| normals.vertices_pseudo_normal.get(vertex as usize)).copied()
+        };
+        let normal = match location {
+            TrianglePointLocation::OnVertex(k) => at_vertex(k),
+            TrianglePointLocation::OnEdge(k, _) => normals
+                .and_then(|normals| normals.edges_pseudo_normal.get(triangle as usize))
+                .map(|of| of[k as usize]),
+            _ => Some(self.0.triangle(triangle).scaled_normal()),
+        };
+        normal.is_some_and(|normal| (point - nearest).dot(normal) <= 0.0 && point != nearest)
     }
 }
 
@@ -99,21 +96,6 @@ mod tests {
         let side = solid.side(Vec3::new(-0.2, 0.1, 0.0), 0.3).unwrap();
         assert_eq!((side.hit.triangle, side.out), (0, -Vec3::X));
         assert!((side.weights.element_sum() - 1.0).abs() < 1e-12);
-        assert!(
-            solid.side(Vec3::new(-0.2, 0.1, 0.0), 0.1).is_none() && solid.depth(Vec3::X * -0.1).is_none()
-        );
-        let (depth, nearest) = solid.depth(Vec3::X * 0.1).unwrap();
-        assert!((depth - 0.1).abs() < 1e-12 && nearest.length() < 1e-12);
-    }
-
-    #[test]
-    fn parts_that_overlap_are_solids_of_their_own() {
-        let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|p| p * 2.0);
-        let vertices = corners.into_iter().chain(corners.map(|p| p + Vec3::splat(0.1))).collect::<Vec<_>>();
-        let faces = [[0u32, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-        let triangles: Vec<[u32; 3]> = (0..2).flat_map(|k| faces.map(|t| t.map(|v| v + 4 * k))).collect();
-        let depths = |p: Vec3| Solid::parts(&vertices, &triangles).iter().filter_map(|s| s.depth(p)).count();
-        // In the first alone, beside the surface of the second; in both; in none.
-        assert_eq!([0.09, 0.3, -0.1].map(|z| depths(Vec3::new(0.3, 0.3, z))), [1, 2, 0]);
+        assert!(solid.side(Vec3::new(-0.2, 0.1, 0.0), 0.1).is_none());
     }
 }

@@ -14,7 +14,7 @@
 use rayon::prelude::*;
 
 use super::shapes::Shapes;
-use crate::geometry::solid::Solid;
+use crate::geometry::body::Body;
 use crate::linear::{ConstrainedSystem, Constraints};
 use crate::{Error, Fault, Job, Mesh, Result, Vec3};
 
@@ -57,17 +57,17 @@ impl Clearance {
         let triangles = obstacle.outward_triangles();
         let mut new = Self { triangles, at, allowed: vec![0.0; ends[0].len()], offence: NOTHING * scale };
         for (t, shape) in [0.0, 1.0].into_iter().zip(ends) {
-            let solids = new.solids(t, job)?;
+            let bodies = new.bodies(t, job)?;
             let depths: Vec<f64> =
-                shape.par_iter().map(|&p| deepest(&solids, p).map_or(0.0, |hit| hit.0)).collect();
+                shape.par_iter().map(|&p| deepest(&bodies, p).map_or(0.0, |hit| hit.0)).collect();
             new.allowed.iter_mut().zip(depths).for_each(|(a, d)| *a = a.max(d));
         }
         Ok(new)
     }
 
     /// The obstacle where it is at time `t`.
-    fn solids(&self, t: f64, job: &Job) -> Result<Vec<Solid>> {
-        Ok(Solid::parts(&(self.at)(t, job)?, &self.triangles))
+    fn bodies(&self, t: f64, job: &Job) -> Result<Vec<Body>> {
+        Ok(Body::parts(&(self.at)(t, job)?, &self.triangles))
     }
 
     /// Moves `y` so that no vertex of the shape is too deep at time `t`.
@@ -84,7 +84,7 @@ impl Clearance {
         job: &Job,
     ) -> Result<()> {
         let stationary = |v: usize| shapes.stationary[v];
-        let solids = self.solids(t, job)?;
+        let bodies = self.bodies(t, job)?;
         let mesh = &**shapes.mesh();
         let from = y.to_vec();
         let mut held: Vec<Option<Vec3>> = vec![None; y.len()];
@@ -95,7 +95,7 @@ impl Clearance {
                 if stationary(v) || mesh.representative(v as u32) != v as u32 {
                     return None;
                 }
-                let (depth, nearest) = deepest(&solids, x[v])?;
+                let (depth, nearest) = deepest(&bodies, x[v])?;
                 let allowed = self.allowed[v];
                 (depth > allowed + self.offence)
                     .then(|| (v, nearest + (x[v] - nearest) * (allowed / depth) - x[v]))
@@ -133,6 +133,6 @@ impl Clearance {
 }
 
 /// How deep a point is in the solid that it is deepest in, and the nearest point of that one's surface; `None` outside.
-fn deepest(solids: &[Solid], p: Vec3) -> Option<(f64, Vec3)> {
-    solids.iter().filter_map(|solid| solid.depth(p)).max_by(|a, b| a.0.total_cmp(&b.0))
+fn deepest(bodies: &[Body], p: Vec3) -> Option<(f64, Vec3)> {
+    bodies.iter().filter_map(|body| body.depth(p)).max_by(|a, b| a.0.total_cmp(&b.0))
 }
