@@ -17,6 +17,11 @@ pub fn dot(a: Mat3, b: Mat3) -> f64 {
     a.x_axis.dot(b.x_axis) + a.y_axis.dot(b.y_axis) + a.z_axis.dot(b.z_axis)
 }
 
+/// The vector `a` with `a . o = o^ : m` for every `o`, where `o^` is the matrix of the cross product by `o`.
+pub fn axial(m: Mat3) -> Vec3 {
+    Vec3::new(m.y_axis.z - m.z_axis.y, m.z_axis.x - m.x_axis.z, m.x_axis.y - m.y_axis.x)
+}
+
 /// `tr a`.
 pub fn trace(a: Mat3) -> f64 {
     a.x_axis.x + a.y_axis.y + a.z_axis.z

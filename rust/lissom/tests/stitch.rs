@@ -8,7 +8,7 @@ use common::{numbers, sheet};
 use lissom::linear::Constraints;
 use lissom::matrix::{dot, norm_squared};
 use lissom::operators::gradient::deformation_gradients;
-use lissom::stitch::{HatGradients, Owners, Reference, Stitcher, Weights, edge_weights, turned};
+use lissom::stitch::{AtRest, HatGradients, Owners, Reference, Stitcher, Weights, edge_weights, turned};
 use lissom::{Job, Mat3, Mesh, Quat, Vec3, rotation};
 
 fn pin(mesh: &Mesh, pinned: &[usize]) -> Constraints {
@@ -285,7 +285,8 @@ fn torques_are_the_gradient_of_the_energy_by_the_rotations() {
         let stitcher = Stitcher::new(mesh.clone(), owners, weights, None, pin(&mesh, &[0]), &job).unwrap();
         let rest = stitcher.covariances(Reference::Rest, mesh.rest());
         let at = |rotations: &[Quat], smoothing: f64| {
-            stitcher.turning(&rest, rotations, &d, smoothing, |_| (Mat3::ZERO, 0.0))
+            let at_rest = AtRest { covariances: &rest, smoothing, nearest: rotation::nearest_rotation };
+            stitcher.turning(at_rest, rotations, &d, |_| (Mat3::ZERO, 0.0))
         };
         let matrix = |i: usize| Mat3::from_quat(rotations[i]);
         let local = stitcher.local_step(Reference::Rest, &d, |i, _| matrix(i));

@@ -12,7 +12,7 @@
 //! a projection too, so a round hardly takes two shapes apart, and after any number of rounds the path is continuous as
 //! the rotations asked for are. Rounds about the rotations of the last one would fit better, and take them apart.
 
-use crate::matrix::{outer, trace};
+use crate::matrix::{axial, outer, trace};
 use crate::stitch::HatGradients;
 use crate::{Mat3, Vec3, rotation};
 
@@ -30,7 +30,6 @@ pub(super) fn refit(asked: Mat3, stretched: [Vec3; 3], hats: HatGradients, found
     let size = trace(own);
     let metric = Mat3::from_diagonal(Vec3::splat((1.0 + RESISTANCE) * size)) - (own + own.transpose()) * 0.5;
     let m = asked.transpose() * found;
-    let torque = Vec3::new(m.y_axis.z - m.z_axis.y, m.z_axis.x - m.x_axis.z, m.x_axis.y - m.y_axis.x);
-    let turn = metric.inverse() * torque;
+    let turn = metric.inverse() * axial(m);
     if size > 0.0 && turn.is_finite() { asked * rotation::exp(turn.clamp_length_max(REACH)) } else { asked }
 }

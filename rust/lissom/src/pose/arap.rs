@@ -28,6 +28,7 @@
 use std::f64::consts::PI;
 
 use super::field;
+use super::flat::Turns;
 use super::goal::Goal;
 use super::lever::{self, Lever};
 use super::method::{Method, Solution, SolveOptions};
@@ -38,9 +39,8 @@ use crate::geometry::rigid::centroid;
 use crate::linear::ConstrainedSystem;
 use crate::matrix::trace;
 use crate::options::{choices, options};
-use crate::rotation::nearest_rotation;
 use crate::stitch::{
-    Descent, Differences, Owners, Reference, Stitcher, Stop, Weights, edge_weights, refine, turned,
+    AtRest, Descent, Differences, Owners, Reference, Stitcher, Stop, Weights, edge_weights, refine, turned,
     turned_less,
 };
 use crate::symmetry::Symmetry;
@@ -110,6 +110,7 @@ struct Posing<'a> {
     goal: &'a Goal,
     /// Those of the goal's pivots.
     levers: Vec<Lever<'a>>,
+    turns: Turns,
 }
 
 /// Rotations, and the shape that matches them best.
@@ -185,10 +186,12 @@ impl Arap {
     /// about, and the second leads lower.
     fn start(&self, region: &Region, goal: &Goal) -> Turned {
         let posing = self.posing(region, goal);
-        let quaternions =
-            |rotations: Vec<Mat3>| rotations.iter().map(|r| Quat::from_mat3(r).normalize()).collect();
+        let quaternions = |rotations: Vec<Mat3>| {
+            rotations.iter().map(|r| Quat::from_mat3(r).normalize()).collect::<Vec<_>>()
+        };
         let unturned = || vec![Quat::IDENTITY; goal.pivots.len()];
-        let extended = quaternions(field::rotations(self.stitcher.system(), region, goal));
+        let mut extended = quaternions(field::rotations(self.stitcher.system(), region, goal));
+        posing.turns.keep(&mut extended);
         let extended = posing.stitched(extended, unturned());
         // More than half a turn is in the extended rotations alone.
         if goal.handles.iter().any(|m| m.whole_turns != Vec3::ZERO || m.rotation.length() > PI) {
@@ -197,7 +200,7 @@ impl Arap {
         let x: Vec<Vec3> =
             region.mesh().rest().iter().zip(&goal.displacements).map(|(&v, &d)| v + d).collect();
         let covariances = self.stitcher.covariances(Reference::Rest, &x);
-        let rest = quaternions(covariances.into_iter().map(nearest_rotation).collect());
+        let rest = quaternions(covariances.into_iter().map(|m| posing.turns.nearest(m)).collect());
         let rest = posing.stitched(rest, unturned());
         let start = if extended.energy <= CLEARLY * rest.energy { extended } else { rest };
         // So long a step would teach the descent a wrong curvature.
@@ -209,7 +212,8 @@ impl Arap {
             let (weights, compliance) = self.levers.get(h)?.as_ref()?;
             Some(Lever::of(region, goal, (h, pivot), weights, *compliance))
         });
-        Posing { arap: self, symmetry: region.symmetry(), goal, levers: levers.collect() }
+        let (symmetry, levers) = (region.symmetry(), levers.collect());
+        Posing { arap: self, symmetry, goal, levers, turns: Turns::of(region, goal) }
     }
 
     /// The lever of a handle: from the rest pose, turned a little, its stiffness is what resists.
@@ -225,7 +229,8 @@ impl Arap {
         let centre = centroid(members.map(|v| region.mesh().rest()[v]));
         let lever = Lever::of(region, &goal, (handle, centre), &weights, Mat3::IDENTITY);
         let symmetry = &Symmetry::default();
-        let posing = Posing { arap: self, symmetry, goal: &goal, levers: vec![lever] };
+        let turns = Turns::free();
+        let posing = Posing { arap: self, symmetry, goal: &goal, levers: vec![lever], turns };
         let still = posing.stitched(vec![Quat::IDENTITY; n], vec![Quat::IDENTITY]);
         let stiffness = Vec3::AXES.map(|axis| {
             let mut direction = vec![Vec3::ZERO; n + 1];
@@ -257,7 +262,9 @@ impl Posing<'_> {
             let at = differences.iter().map(|differences| differences.at(i, &displacements));
             at.fold((Mat3::ZERO, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1))
         };
-        let mut turning = stitcher.turning(rest, &rotations, &displacements, *rotation_smoothing, more);
+        let nearest = |m| self.turns.nearest(m);
+        let at_rest = AtRest { covariances: rest, smoothing: *rotation_smoothing, nearest };
+        let mut turning = stitcher.turning(at_rest, &rotations, &displacements, more);
         // Else rounding grows where a symmetric shape is no minimum, as one that buckles.
         self.symmetry.symmetrise_turns(&mut turning.torques);
         self.symmetry.symmetrise_turns(&mut turning.misfits);
@@ -273,6 +280,7 @@ impl Posing<'_> {
             forces.iter_mut().zip(&asked).for_each(|(force, &asked)| *force -= asked);
             lever::add_torques(&mut torques, &self.levers, (&rotations, &turns), &forces);
         }
+        self.turns.project(&mut torques);
         Turned { rotations, turns, displacements, torques, misfits, energy, size }
     }
 }
@@ -297,6 +305,7 @@ impl Descent for Posing<'_> {
             }
         };
         divided.extend(self.levers.iter().zip(of_handles).map(|(lever, &torque)| lever.compliance * torque));
+        self.turns.project(&mut divided);
         [at.torques.clone(), divided]
     }
 
@@ -328,7 +337,10 @@ impl Method for Arap {
         }
         let posing = self.posing(region, goal);
         let start = match previous {
-            Some(rotations) => posing.stitched(rotations, vec![Quat::IDENTITY; goal.pivots.len()]),
+            Some(mut rotations) => {
+                posing.turns.keep(&mut rotations);
+                posing.stitched(rotations, vec![Quat::IDENTITY; goal.pivots.len()])
+            }
             None => self.start(region, goal),
         };
         let stop = Stop { max_iterations: options.max_iterations, tolerance: options.tolerance };

@@ -23,6 +23,7 @@ mod agree;
 pub mod arap;
 mod bound;
 mod field;
+mod flat;
 mod goal;
 mod handles;
 mod images;

@@ -34,5 +34,5 @@ pub use differences::Differences;
 pub use refine::{Descent, Refined, Stop, refine};
 pub use stitcher::Stitcher;
 pub use targets::{HatGradients, Local, Owners, Reference, Weights, edge_weights};
-pub use turns::{Turning, turned, turned_less};
+pub use turns::{AtRest, Turning, turned, turned_less};
 pub use volume::Volumes;

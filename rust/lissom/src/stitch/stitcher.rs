@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use super::fans::Fans;
 use super::targets::{HatGradients, Local, Owners, Reference, Weights, corner_weights, edge_weights};
 use super::triangles;
-use super::turns::Turning;
+use super::turns::{AtRest, Turning};
 use super::vectors::moved;
 use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
 use crate::operators::cotangent::corner_laplacian;
@@ -202,20 +202,18 @@ impl Stitcher {
         }
     }
 
-    /// The energy of rotations that vertices own, and of displacements, with its torques. `rest` holds the covariances
-    /// of the rest pose, `smoothing` is how much `sum_ij w_ij |R_i - R_j|^2` counts, each edge from both ends, and `more`
-    /// adds to the covariance of a vertex and to the size of its displacements.
+    /// The energy of rotations that vertices own, and of displacements, with its torques. `more` adds to the covariance
+    /// of a vertex and to the size of its displacements.
     pub fn turning(
         &self,
-        rest: &[Mat3],
+        at_rest: AtRest<'_, impl Fn(Mat3) -> Mat3 + Sync + Send>,
         rotations: &[Quat],
         displacements: &[Vec3],
-        smoothing: f64,
         more: impl Fn(usize) -> (Mat3, f64) + Sync + Send,
     ) -> Turning {
         match &self.elements {
             Elements::Fans(fans) => {
-                fans.turning(rest, rotations, displacements, smoothing, self.owners.per_edge(), more)
+                fans.turning(at_rest, rotations, displacements, self.owners.per_edge(), more)
             }
             Elements::Triangles { .. } => Turning::default(),
         }

@@ -13,12 +13,21 @@
 use rayon::prelude::*;
 
 use super::fans::{Fans, GRAIN};
-use crate::matrix::{dot, outer};
-use crate::rotation::nearest_rotation;
+use crate::matrix::{axial, dot, outer};
 use crate::{Mat3, Quat, Vec3};
 
 /// Smallest cosine of half the turn to the best rotation: its Cayley transform is infinite for half a turn.
 const LEAST_COSINE: f64 = 0.1;
+
+/// What cells are, at rest.
+pub struct AtRest<'a, N> {
+    /// Their covariances.
+    pub covariances: &'a [Mat3],
+    /// `s`.
+    pub smoothing: f64,
+    /// The turn of a cell that fits a covariance best.
+    pub nearest: N,
+}
 
 /// The energy of rotations and shape, and its gradient.
 #[derive(Debug, Default)]
@@ -60,14 +69,13 @@ impl Fans {
         })
     }
 
-    /// The energy of `rotations` and `displacements` and its torques. `rest` holds the covariances of the rest pose,
-    /// `smoothing` is `s`, and `more` adds to the covariance of a vertex and to the size of its displacements.
+    /// The energy of `rotations` and `displacements` and its torques. `more` adds to the covariance of a vertex and to
+    /// the size of its displacements.
     pub fn turning(
         &self,
-        rest: &[Mat3],
+        AtRest { covariances: rest, smoothing, nearest }: AtRest<'_, impl Fn(Mat3) -> Mat3 + Sync + Send>,
         rotations: &[Quat],
         displacements: &[Vec3],
-        smoothing: f64,
         per_edge: f64,
         more: impl Fn(usize) -> (Mat3, f64) + Sync + Send,
     ) -> Turning {
@@ -96,7 +104,7 @@ impl Fans {
             let change = r - Mat3::IDENTITY;
             let turned = r.transpose() * covariance + change.transpose() * rest;
             let torque = -axial(turned) - pull * (8.0 * smoothing);
-            let misfit = if smoothing > 0.0 { Vec3::ZERO } else { cayley(nearest_rotation(turned + rest)) };
+            let misfit = if smoothing > 0.0 { Vec3::ZERO } else { cayley(nearest(turned + rest)) };
             // Each edge is seen from both its ends.
             let size = 0.5 * stretch + larger + dot(change * rest, change);
             ((torque, misfit), (size - 2.0 * dot(change, covariance) + 8.0 * smoothing * apart, size))
@@ -114,9 +122,4 @@ fn cayley(rotation: Mat3) -> Vec3 {
     let q = Quat::from_mat3(&rotation);
     let q = if q.w < 0.0 { -q } else { q };
     Vec3::new(q.x, q.y, q.z) * (2.0 / q.w.max(LEAST_COSINE))
-}
-
-/// The vector `a` with `a . o = o^ : m` for every `o`, where `o^` is the matrix of the cross product by `o`.
-fn axial(m: Mat3) -> Vec3 {
-    Vec3::new(m.y_axis.z - m.z_axis.y, m.z_axis.x - m.x_axis.z, m.x_axis.y - m.y_axis.x)
 }
