@@ -7,7 +7,7 @@ import numpy as np
 from lissom import data, names
 
 from . import face_lids, face_parts, face_twins
-from .face_found import CURVES, Unsure, locate_steps
+from .face_found import CURVES, SURE, Unsure, locate_steps
 from .face_lids import Lids, Shares
 from .face_parts import Frame, Mouth
 from .refused import Refused
@@ -83,7 +83,10 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
             offsets_of, whats = known.move(vertices, own_pieces, given)
             done.append(offsets_of)
             kinds.append(whats)
-        return Faced(located, made, moved, done, left, kinds, quality, list(transfer.warnings))
+        warnings = list(transfer.warnings)
+        if located.certainty < SURE:
+            warnings.append(f"Only {100 * located.certainty:.0f} % sure where the face is: look at every key")
+        return Faced(located, made, moved, done, left, kinds, quality, warnings)
 
     return Work(steps())
 
