@@ -6,8 +6,8 @@ import lissom
 import numpy as np
 from lissom import data, names
 
-from . import face_lids, face_parts
-from .face_found import CURVES, Unsure, locate_steps
+from . import face_lids, face_parts, face_twins
+from .face_found import CURVES, SURE, Unsure, locate_steps
 from .face_lids import Lids, Shares
 from .face_parts import Frame, Mouth
 from .refused import Refused
@@ -67,7 +67,9 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
         shapes = fit.rest + strength * offsets
         found = (yield transfer.start_apply(shapes)).vertices
         if located.rims:
-            found = head[0] + _by_lids(face, located, head, strength * offsets, found - head[0], balls)
+            moved = _by_lids(face, located, head, strength * offsets, found - head[0], balls)
+            other = face_twins.twins(head[0])
+            found = head[0] + (moved if other is None else face_twins.alike(made, moved, other))
         quality = yield transfer.start_quality(shapes, found)
         moved = found - head[0]
         body = np.setdiff1d(np.arange(len(head[0])), np.concatenate([*loose, np.zeros(0, dtype=int)]))
@@ -81,7 +83,10 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
             offsets_of, whats = known.move(vertices, own_pieces, given)
             done.append(offsets_of)
             kinds.append(whats)
-        return Faced(located, made, moved, done, left, kinds, quality, list(transfer.warnings))
+        warnings = list(transfer.warnings)
+        if located.certainty < SURE:
+            warnings.append(f"Only {100 * located.certainty:.0f} % sure where the face is: look at every key")
+        return Faced(located, made, moved, done, left, kinds, quality, warnings)
 
     return Work(steps())
 

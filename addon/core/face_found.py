@@ -17,7 +17,8 @@ from .landmarks import FACE, mirrored
 from .transfer import fit_steps
 
 CURVES = ("lid_left", "lid_right", "lips")
-SURE = 0.75  # from here on keys are made: people have more
+LEAST = 0.5  # from here on keys are made: people, also the face alone, have 0.73 and more, a cow 0.2
+SURE = 0.75  # from here on nothing is said
 OFF = 0.01  # of the head's diagonal: a landmark further from the head than this is to be looked at
 CROOKED = 0.03  # of the head's diagonal: likewise, from the mirror image of its twin
 PLAIN = 0.5  # confidence from which on a landmark is not looked at
@@ -84,7 +85,7 @@ def locate_steps(face, head, marks=None):
         except lissom.InvalidConstraint:  # too little in common
             fit = None
         located = fit and _judged(face, fit, vertices, {}, "SHAPE")
-        if located and located.certainty >= SURE:
+        if located and located.certainty >= LEAST:
             return located
         own = face_rims.of_face(found, balls)
         if own is None:
@@ -106,7 +107,8 @@ def locate_steps(face, head, marks=None):
     fit = yield from fit_steps(
         source, mesh, np.column_stack([names, np.zeros(len(names), dtype=int)]), options
     )
-    return _judged(face, fit, vertices, rims, by)
+    located = _judged(face, fit, vertices, rims, by)
+    return located if located.certainty >= LEAST else _unsure(face, located)
 
 
 def _in_openings(marks, own, found):

@@ -8,7 +8,6 @@ from ..bridge import source_face
 from ..core.refused import Refused
 from ..jobs.face import FaceAsked, FaceKeys
 from ..properties.transfer_options import edited_property, exists_property, face_names_property
-from ..translations import translated
 from .job import JobRunner, allowed, answering
 
 
@@ -70,12 +69,8 @@ class LISSOM_OT_face_keys(JobRunner, bpy.types.Operator):
         path = bpy.path.abspath(self.landmarks) if self.landmarks else ""
         return FaceAsked.of(self, **named, kinds=kinds, landmarks=path)
 
-    def finish(self, context, found):
-        """Reports what was done, or as an error why nothing was; opens the review where there is a window."""
-        done = self._job.write(context, found)
-        for warning in reversed(done.warnings):  # what is reported last is what one sees
-            self.report({"WARNING"}, translated(warning))
-        self.report({"ERROR" if done.stopped else "INFO"}, translated(done.summary))
+    def after(self, context, done):
+        """Says in the panel what parts were taken for; from a button opens the review."""
         settings = context.scene.lissom_transfer
         for row in settings.target_parts:
             if row.object is not None and row.object.name in done.kinds:

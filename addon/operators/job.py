@@ -164,10 +164,14 @@ class JobRunner(JobOperator):
         if self.keeps:
             getattr(context.scene, self.keeps).warnings = "\n".join(done.kept)
         report_done(self, done)
+        self.after(context, done)
+
+    def after(self, context, done):
+        """What follows the report; nothing, by default."""
 
 
 def report_done(operator, done):
-    """Reports what a jobs.Done has to say."""
-    operator.report({"INFO"}, translated(done.summary))
+    """Reports what a jobs.Done has to say; one that has stopped, as an error."""
+    operator.report({"ERROR" if getattr(done, "stopped", False) else "INFO"}, translated(done.summary))
     for warning in reversed(done.warnings):  # what is reported last is what one sees
         operator.report({"WARNING"}, translated(warning))

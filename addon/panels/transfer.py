@@ -3,7 +3,7 @@
 import bpy
 
 from .. import session
-from ..bridge import shape_keys
+from ..bridge import shape_keys, source_face
 from ..jobs.corrections import is_edited
 from ..layouts import split_column
 from ..translations import translated
@@ -142,7 +142,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
 
     def _draw_face(self, layout, settings):
         """The first offer: no source, no marker."""
-        if settings.source is not None and "lissom_face" not in settings.source:
+        if settings.source is not None and not source_face.is_it(settings.source):
             return
         box = layout.box()
         draw_lines(box, "USER", "A head without face keys gets them by one press: no source, no marker")

@@ -46,6 +46,8 @@ def test_a_mask_gets_keys_without_a_click_and_its_lids_close(mask):
     blink = head.vertices + delta(obj, "eyeBlinkLeft") + delta(obj, "eyeBlinkRight")
     for side in (0, 1):
         assert heads.seen(head, blink, side) <= 0.02 * heads.seen(head, head.vertices, side)
+    left, right = (delta(obj, f"mouthSmile{side}") for side in ("Left", "Right"))
+    assert np.abs(left[head.twins] * [-1, 1, 1] - right).max() < 0.01 * np.abs(left).max()
     jaw = head.vertices + delta(obj, "jawOpen")
     before, after = (np.ptp(points[head.lips], axis=0) for points in (head.vertices, jaw))
     assert after[2] > 2 * before[2] and abs(after[0] / before[0] - 1) < 0.2
