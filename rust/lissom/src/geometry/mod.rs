@@ -8,7 +8,7 @@
 //! | [`rigid`] | rigid and similarity maps between point sets |
 //! | [`polyline`] | paths and loops by arc length |
 //! | [`plane`] | mirror images and twins |
-//! | [`surface`] | closest points, barycentric coordinates |
+//! | [`surface`], [`tree`] | closest points, barycentric coordinates; and how they are found |
 //! | [`solid`], [`body`] | inside and outside; how deep |
 
 pub mod body;
@@ -20,4 +20,5 @@ pub mod rigid;
 pub mod rows;
 pub mod solid;
 pub mod surface;
+mod tree;
 pub mod triangle;

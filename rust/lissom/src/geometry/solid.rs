@@ -6,7 +6,7 @@
 use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{TriMesh, TriMeshFlags, TrianglePointLocation};
 
-use super::surface::{Hit, weights};
+use super::surface::Hit;
 use crate::Vec3;
 
 /// A closed surface whose triangles face outwards.
@@ -19,8 +19,6 @@ pub struct SignedDistance {
     pub signed_distance: f64,
     /// The point, and the triangle that it is on.
     pub hit: Hit,
-    /// Its barycentric coordinates.
-    pub weights: Vec3,
     /// The unit normal there, outwards; of the triangle, zero where that has no area.
     pub out: Vec3,
 }
@@ -36,10 +34,12 @@ impl Solid {
         let (nearest, (triangle, location)) =
             self.0.project_local_point_and_get_location_with_max_dist(point, false, reach)?;
         let distance = nearest.point.distance(point);
+        // Only what has no surface has places that are on no triangle.
+        let weights =
+            location.barycentric_coordinates().map_or(Vec3::X, |weights| Vec3::from(weights).max(Vec3::ZERO));
         Some(SignedDistance {
             signed_distance: if nearest.is_inside { -distance } else { distance },
-            hit: Hit { triangle: triangle as usize, point: nearest.point, distance },
-            weights: weights(location),
+            hit: Hit { triangle: triangle as usize, point: nearest.point, weights, distance },
             out: self.0.triangle(triangle).scaled_normal().normalize_or_zero(),
         })
     }
@@ -95,7 +95,7 @@ mod tests {
         }));
         let side = solid.side(Vec3::new(-0.2, 0.1, 0.0), 0.3).unwrap();
         assert_eq!((side.hit.triangle, side.out), (0, -Vec3::X));
-        assert!((side.weights.element_sum() - 1.0).abs() < 1e-12);
+        assert!((side.hit.weights.element_sum() - 1.0).abs() < 1e-12);
         assert!(solid.side(Vec3::new(-0.2, 0.1, 0.0), 0.1).is_none());
     }
 }

@@ -9,6 +9,9 @@ use crate::Vec3;
 /// ours acts on each triangle by itself, since only its own cotangents are asked for.
 const MOLLIFY: f64 = 1e-5;
 
+/// Below this part of its longest edge squared, twice the area of a triangle is too little to tell where in it a point is.
+const SLIVER: f64 = 1e-9;
+
 #[derive(Debug)]
 pub(crate) struct TriangleGeometry {
     pub areas: Vec<f64>,
@@ -43,6 +46,34 @@ pub(crate) fn normal_and_area([a, b, c]: [Vec3; 3]) -> (Vec3, f64) {
     } else {
         (longest.try_normalize().unwrap_or(Vec3::X).any_orthonormal_vector(), 0.5 * length)
     }
+}
+
+/// Barycentric coordinates of the point of a triangle of unit `normal` that is nearest to `point` (Ericson 2005, Real-Time
+/// Collision Detection, section 5.1.5; where it is beyond an edge, on the edges that it is beyond).
+#[inline]
+pub(crate) fn closest_weights(point: Vec3, [a, b, c]: [Vec3; 3], normal: Vec3) -> Vec3 {
+    let (ab, ac, ap) = (b - a, c - a, point - a);
+    let area = ab.cross(ac).dot(normal);
+    let (v, w) = (ap.cross(ac).dot(normal) / area, ab.cross(ap).dot(normal) / area);
+    let inside = Vec3::new(1.0 - v - w, v, w);
+    // Of a sliver they are noise.
+    let counts = area > SLIVER * ab.length_squared().max(ac.length_squared());
+    if counts && inside.min_element() >= 0.0 {
+        return inside;
+    }
+    let mut best = (f64::INFINITY, Vec3::X);
+    for (k, from, edge) in [(0, b, c - b), (1, a, ac), (2, a, ab)] {
+        if !counts || inside[k] < 0.0 {
+            let (off, squared) = (point - from, edge.length_squared());
+            let along = if squared > 0.0 { (off.dot(edge) / squared).clamp(0.0, 1.0) } else { 0.0 };
+            let distance = (off - edge * along).length_squared();
+            if distance < best.0 {
+                let [start, end] = [[1, 2], [0, 2], [0, 1]][k];
+                best = (distance, Vec3::AXES[start] * (1.0 - along) + Vec3::AXES[end] * along);
+            }
+        }
+    }
+    best.1
 }
 
 /// Normals of vertices at `positions`, as long as twice the area around them.

@@ -92,7 +92,8 @@ pub(super) fn rods(mesh: &Mesh) -> (Vec<Owned>, Option<String>) {
             let own = component(from).filter(|&c| solid[c])?;
             let direction = inward[from as usize];
             let accept = |t: usize| component(triangles[t][0]) == Some(own) && !triangles[t].contains(&from);
-            let (hit, at) = surface.exit(rest[from as usize], direction, accept)?;
+            let hit = surface.exit(rest[from as usize], direction, accept)?;
+            let at = hit.weights;
             let to = triangles[hit.triangle];
             // What it meets at a slant is not opposite. Normals between vertices do not jump at an edge that it meets.
             let facing: Vec3 = (0..3).map(|k| inward[to[k] as usize] * at[k]).sum();

@@ -185,7 +185,7 @@ impl Side {
             // Roberts 2018, The Unreasonable Effectiveness of Quasirandom Sequences: even in the plane.
             let (u, v) = (0.754_877_666_246_693 * k as f64 % 1.0, 0.569_840_290_998_053 * k as f64 % 1.0);
             let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-            (a + (b - a) * u + (c - a) * v, self.surface.normals()[t])
+            (a + (b - a) * u + (c - a) * v, self.surface.normal(t))
         };
         (0..count).map(sample).collect()
     }
@@ -293,12 +293,12 @@ impl Placed {
         let of_source = |&(point, normal): &(Vec3, Vec3)| {
             let at = apply(point);
             let hit = target.surface.closest_compatible_point(at, self.rotation * normal)?;
-            Some(Pair { at, to: hit.point, normal: target.surface.normals()[hit.triangle] })
+            Some(Pair { at, to: hit.point, normal: target.surface.normal(hit.triangle) })
         };
         let of_target = |&(point, normal): &(Vec3, Vec3)| {
             let there = back * (point - self.shift) / self.scale;
             let hit = source.surface.closest_compatible_point(there, back * normal)?;
-            let normal = self.rotation * source.surface.normals()[hit.triangle];
+            let normal = self.rotation * source.surface.normal(hit.triangle);
             Some(Pair { at: apply(hit.point), to: point, normal })
         };
         let [sources, targets] = samples.each_ref().map(|of| of.par_iter().with_min_len(STAGES[0].0));

@@ -107,11 +107,10 @@ pub fn contacts(
         }
         let corners = faces[image.triangle as usize];
         let [at_rest, at] = [rest, &posed[..]].map(|p| image.blend(corners.map(|v| p[v as usize])));
-        let normal = surface.normals()[image.triangle as usize];
-        let accept = |t: usize| surface.normals()[t].dot(normal) < OPPOSED;
+        let normal = surface.normal(image.triangle as usize);
+        let accept = |t: usize| surface.normal(t).dot(normal) < OPPOSED;
         let hit = surface.closest_compatible_point_on(at, -normal, REACH, accept)?;
         let there = faces[hit.triangle];
-        let weights = surface.weights(hit.triangle, hit.point);
         let normal = source.normals()[image.triangle as usize];
         let near = (hit.distance / CLOSED).max(hit.distance + APPROACH);
         let accept = |t: usize| source.normals()[t].dot(normal) < OPPOSED;
@@ -122,7 +121,7 @@ pub fn contacts(
         for (k, &corner) in there.iter().enumerate() {
             let back = matches.back_images[corner as usize]?;
             let of_corner = target.triangles()[back.triangle as usize];
-            place.extend((0..3).map(|i| (of_corner[i], weights[k] * back.weights[i])));
+            place.extend((0..3).map(|i| (of_corner[i], hit.weights[k] * back.weights[i])));
         }
         let own = component(v as u32);
         if place.iter().any(|&(w, _)| component(w) != own) {

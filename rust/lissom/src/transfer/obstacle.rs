@@ -85,7 +85,7 @@ impl Obstacle {
     /// What `values` at the vertices of the mesh are at a place of this surface.
     fn blend(&self, side: &SignedDistance, values: &[Vec3]) -> Vec3 {
         let corners = self.triangles[side.hit.triangle].map(|place| self.vertices[place as usize]);
-        (0..3).map(|k| values[corners[k] as usize] * side.weights[k]).sum()
+        (0..3).map(|k| values[corners[k] as usize] * side.hit.weights[k]).sum()
     }
 }
 

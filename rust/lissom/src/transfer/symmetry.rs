@@ -69,7 +69,7 @@ impl Mirror {
             let (point, normal) = (plane.reflect(mesh.rest()[v]), plane.reflect(normals[v]));
             let hit = surface.closest_compatible_point(point, normal)?;
             let corners = mesh.triangles()[hit.triangle];
-            Some((hit.distance, (corners, surface.weights(hit.triangle, hit.point))))
+            Some((hit.distance, (corners, hit.weights)))
         };
         let looked_at: Vec<usize> = (0..count).step_by(step).collect();
         let found: Vec<_> = looked_at.par_iter().map(|&v| place(v)).collect();

@@ -14,6 +14,8 @@ use crate::linear::Factor;
 pub struct Descent<'a> {
     energy: &'a Energy<'a>,
     factor: Factor,
+    /// Half the gradient of `E` where the last step ended: it is linear, and pulls are what changes.
+    slope: Option<Vec<Vec3>>,
     last: Option<Step>,
 }
 
@@ -27,12 +29,13 @@ struct Step {
 impl<'a> Descent<'a> {
     /// From anywhere, in the metric of `factor`.
     pub fn new(energy: &'a Energy, factor: Factor) -> Self {
-        Self { energy, factor, last: None }
+        Self { energy, factor, slope: None, last: None }
     }
 
-    /// So many steps towards the least of the energy with these pulls.
+    /// So many steps towards the least of the energy with these pulls, from where the last ones ended.
     pub fn go(&mut self, pulls: &[Pull], u: &mut [Vec3], steps: usize) {
-        let mut residual = self.energy.gradient(u);
+        let mut slope = self.slope.take().unwrap_or_else(|| self.energy.gradient(u));
+        let mut residual = slope.clone();
         pulls::add_gradient(pulls, u, &mut residual);
         residual.iter_mut().for_each(|r| *r = -*r);
         for _ in 0..steps {
@@ -46,18 +49,21 @@ impl<'a> Descent<'a> {
                 }
                 None => preconditioned,
             };
-            let mut image = self.energy.curvature(&direction);
+            let of_energy = self.energy.curvature(&direction);
+            let mut image = of_energy.clone();
             pulls::add_curvature(pulls, &direction, &mut image);
             let step = dot(&residual, &direction) / dot(&direction, &image);
             // Already there, to rounding.
             if !(step.is_finite() && square > 0.0) {
-                return;
+                break;
             }
+            slope.iter_mut().zip(&of_energy).for_each(|(s, &q)| *s += q * step);
             u.iter_mut().zip(&direction).for_each(|(u, &d)| *u += d * step);
             let before = residual.clone();
             residual.iter_mut().zip(&image).for_each(|(r, &q)| *r -= q * step);
             self.last = Some(Step { direction, residual: before, square });
         }
+        self.slope = Some(slope);
     }
 }
 

@@ -135,7 +135,7 @@ pub fn conclude(
     (report.distance_mean, report.distance_max) = (mean * frame.scale, largest * frame.scale);
     (report.distance_mean_percent, report.distance_max_percent) = (100.0 * mean, 100.0 * largest);
 
-    let flipped = if overlap { Vec::new() } else { flipped(fitted, &onto.surface, match_distance) };
+    let flipped = if overlap { Vec::new() } else { flipped(fitted, onto, match_distance) };
     report.flipped_triangles = flipped.len();
     let stretches = stretches(source, x);
     report.stretched_triangles = stretches.iter().filter(|&&s| s > STRETCHED).count();
@@ -244,22 +244,27 @@ fn singular_values(rest: [Vec3; 3], posed: [Vec3; 3]) -> [f64; 2] {
 
 /// Fitted triangles whose place on the target faces the other way. Linings, as those of lids and sockets, lie so close
 /// to what they line that they face the wrong way wherever the target has none: they are at rest as they are here.
-fn flipped(source: &Placed, target: &Surface, reach: f64) -> Vec<usize> {
+fn flipped(source: &Placed, onto: &Placed, reach: f64) -> Vec<usize> {
     let fitted = &source.surface;
+    // What is masked matches nothing, but may well be what a triangle faces.
+    let whole = || Surface::of(onto.side.mesh.triangles(), onto.positions);
+    let whole = onto.side.masked.contains(&true).then(whole);
+    let target = whole.as_ref().unwrap_or(&onto.surface);
     let against = |t: usize| {
         if source.side.masked[t] {
             return None;
         }
-        let (centroid, normal) = (fitted.centroid(t), fitted.normals()[t]);
+        let (centroid, normal) = (fitted.centroid(t), fitted.normal(t));
         let nearest = target.closest_point_within(centroid, reach)?;
-        if target.normals()[nearest.triangle].dot(normal) > 0.0 {
+        if target.normal(nearest.triangle).dot(normal) > 0.0 {
             return None;
         }
         let reach = nearest.distance + FLIPPED;
         let compatible = target.closest_compatible_point_on(centroid, normal, reach, |_| true);
         compatible.is_none().then_some((t, nearest.distance))
     };
-    let found: Vec<(usize, f64)> = (0..fitted.normals().len()).into_par_iter().filter_map(against).collect();
+    let found: Vec<(usize, f64)> =
+        (0..source.side.mesh.triangles().len()).into_par_iter().filter_map(against).collect();
     if found.is_empty() {
         return Vec::new();
     }
@@ -267,7 +272,7 @@ fn flipped(source: &Placed, target: &Surface, reach: f64) -> Vec<usize> {
     let at_rest = Surface::of(mesh.triangles(), mesh.rest());
     let size = rigid::size_ratio(source.positions.iter().copied(), mesh.rest().iter().copied());
     let lining = |&(t, distance): &(usize, f64)| {
-        let (centroid, normal) = (at_rest.centroid(t), at_rest.normals()[t]);
+        let (centroid, normal) = (at_rest.centroid(t), at_rest.normal(t));
         at_rest
             .closest_compatible_point_on(centroid, -normal, (distance + FLIPPED) / size, |_| true)
             .is_some()

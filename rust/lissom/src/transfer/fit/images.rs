@@ -33,11 +33,9 @@ pub fn images(
 ) -> Result<Vec<Option<SurfacePoint>>> {
     let surface = &on.surface;
     of_vertices(of, job, |v, component| {
-        let of_partner = |s: usize| partner[component].is_none_or(|partner| on.side.component[s] == partner);
-        let accept = |s: usize| !on.side.masked[s] && of_partner(s);
+        let accept = |s: usize| partner[component].is_none_or(|partner| on.side.component[s] == partner);
         let hit = surface.closest_compatible_point_on(of.positions[v], of.normals[v], reach, accept)?;
-        let weights = surface.weights(hit.triangle, hit.point);
-        Some(SurfacePoint { triangle: hit.triangle as u32, weights })
+        Some(SurfacePoint { triangle: hit.triangle as u32, weights: hit.weights })
     })
 }
 
@@ -56,9 +54,8 @@ pub fn images_of_overlap(
     of_vertices(of, job, |v, component| {
         let (point, normal) = (of.positions[v], of.normals[v].normalize_or_zero());
         let hit = on.closest(point, normal, reach, partner[component], DETOUR)?;
-        let weights = on.surface.weights(hit.triangle, hit.point);
-        let image = SurfacePoint { triangle: hit.triangle as u32, weights };
-        is_trusted(on, &hit, weights, point, normal).then_some(image)
+        let image = SurfacePoint { triangle: hit.triangle as u32, weights: hit.weights };
+        is_trusted(on, &hit, point, normal).then_some(image)
     })
 }
 
@@ -75,9 +72,9 @@ fn of_vertices(
     })
 }
 
-fn is_trusted(on: &Placed, hit: &Hit, weights: Vec3, point: Vec3, normal: Vec3) -> bool {
-    let there = on.normal(hit.triangle, weights);
+fn is_trusted(on: &Placed, hit: &Hit, point: Vec3, normal: Vec3) -> bool {
+    let there = on.normal(hit.triangle, hit.weights);
     let aside = (point - hit.point).reject_from_normalized(there).length();
-    let beyond_border = aside > SAME && on.side.is_on_border(hit.triangle, weights);
+    let beyond_border = aside > SAME && on.side.is_on_border(hit.triangle, hit.weights);
     hit.distance < SAME || (normal.dot(there) > LEAST_COSINE && !beyond_border)
 }

@@ -102,9 +102,8 @@ impl<'a> LookUp<'a> {
             }
             let partner = self.partners.of_source[component];
             let hit = target.closest(x[v], normals[v], reach, partner, self.detour)?;
-            let weights = target.surface.weights(hit.triangle, hit.point);
-            let normal = target.normal(hit.triangle, weights);
-            if target.side.is_on_border(hit.triangle, weights) {
+            let normal = target.normal(hit.triangle, hit.weights);
+            if target.side.is_on_border(hit.triangle, hit.weights) {
                 return None;
             }
             let taken = source.closest(hit.point, normal, hit.distance, None, 0.0)?.distance;
@@ -115,16 +114,19 @@ impl<'a> LookUp<'a> {
         Ok(job.in_batches(x.len(), pull)?.into_iter().flatten().collect())
     }
 
-    /// The pulls by the target's vertices, in all at most as many as the source's.
+    /// The pulls by the target's vertices, in all at most as many as the source's: of a target of many more, some
+    /// here and there speak for those beside them.
     ///
     /// # Errors
     ///
     /// [`crate::Error::Cancelled`].
     pub fn back(&self, source: &Placed, weight: f64, reach: f64, job: &Job) -> Result<Vec<Pull>> {
         let (target, mesh) = (self.target.side, self.target.side.mesh);
-        let n = mesh.vertices().len();
-        let weight = weight * (source.positions.len() as f64 / n as f64).min(1.0);
-        let pull = |v: usize| {
+        let every = (mesh.vertices().len() / source.positions.len().max(1)).max(1);
+        let asked = mesh.vertices().len() / every;
+        let weight = weight * (source.positions.len() as f64 / asked as f64).min(1.0);
+        let pull = |k: usize| {
+            let v = k * every + scattered(k, every);
             let component = mesh.components().of_vertex(v)?;
             if target.masked_vertex[v] || target.is_border(v) {
                 return None;
@@ -132,13 +134,18 @@ impl<'a> LookUp<'a> {
             let (point, normal) = (self.target.positions[v], self.target.normals[v].normalize_or_zero());
             let hit =
                 source.closest(point, normal, reach, self.partners.of_target[component], self.detour)?;
-            let weights = source.surface.weights(hit.triangle, hit.point);
             let corners = self.source.mesh.triangles()[hit.triangle];
-            let counts = !self.source.is_on_border(hit.triangle, weights);
-            counts.then(|| plane(corners, weights, point, normal, fading(&hit, weight, reach)))
+            let counts = !self.source.is_on_border(hit.triangle, hit.weights);
+            counts.then(|| plane(corners, hit.weights, point, normal, fading(&hit, weight, reach)))
         };
-        Ok(job.in_batches(n, pull)?.into_iter().flatten().collect())
+        Ok(job.in_batches(asked, pull)?.into_iter().flatten().collect())
     }
+}
+
+/// Which one of every so many is asked the `k`th time: by no rule that rows of a grid could follow too (Knuth 1973, The
+/// Art of Computer Programming, section 6.4, multiplicative hashing).
+fn scattered(k: usize, every: usize) -> usize {
+    ((k as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as usize % every
 }
 
 fn fading(hit: &Hit, weight: f64, reach: f64) -> f64 {

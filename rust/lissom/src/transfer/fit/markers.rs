@@ -125,11 +125,9 @@ pub fn check(
     let surface = (!points[0].is_empty()).then(|| Surface::of(source.triangles(), source.rest()));
     let marker = |(i, &[s, t]): (usize, &[u32; 2])| {
         let goal = points[1].get(i).copied().unwrap_or(target.rest()[t as usize]);
-        let hit = surface.as_ref().and_then(|surface| Some((surface, surface.closest_point(points[0][i])?)));
+        let hit = surface.as_ref().and_then(|surface| surface.closest_point(points[0][i]));
         match hit {
-            Some((surface, hit)) => {
-                on_triangle(source, hit.triangle, surface.weights(hit.triangle, hit.point), goal)
-            }
+            Some(hit) => on_triangle(source, hit.triangle, hit.weights, goal),
             None => Marker::at_vertex(source, s, goal),
         }
     };

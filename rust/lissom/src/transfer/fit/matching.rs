@@ -29,7 +29,7 @@ impl Placed<'_> {
             if self.side.masked[t] {
                 return None;
             }
-            let (at, normal) = (self.surface.centroid(t), self.surface.normals()[t]);
+            let (at, normal) = (self.surface.centroid(t), self.surface.normal(t));
             // Reach is measured to the surface: centroids of large triangles are far from anything.
             let look = |accept: &(dyn Fn(usize) -> bool + Sync)| {
                 let hit = other.surface.closest_compatible_point_on(at, normal, reach, accept)?;
@@ -44,8 +44,8 @@ impl Placed<'_> {
                 }
             }
             let hit = partner
-                .and_then(|partner| look(&|s| other.side.component[s] == partner && !other.side.masked[s]))
-                .or_else(|| look(&|s| !other.side.masked[s]));
+                .and_then(|partner| look(&|s| other.side.component[s] == partner))
+                .or_else(|| look(&|_| true));
             hit.map(|hit| hit.triangle as u32)
         })
     }

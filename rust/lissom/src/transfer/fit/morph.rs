@@ -119,14 +119,16 @@ impl Morph {
         let mut look_up = LookUp::new(source, target, detour);
         let falling =
             |[from, to]: [f64; 2], stage: usize| from * (to / from).powf(stage as f64 / (STAGES - 1) as f64);
+        let mut surface = None;
         for stage in 0..STAGES {
             let off = look_up.find_partners(&self.placed(), job)?;
             let reach = falling(REACH, stage).max(QUARTILES * off);
             for _ in 0..ROUNDS {
                 let x = self.placed();
-                let placed = Placed::new(source, &x);
+                let placed = Placed::again(source, &x, surface.take());
                 let mut pulls = look_up.forth(&placed, 1.0, reach, job)?;
                 pulls.extend(look_up.back(&placed, 1.0, reach, job)?);
+                surface = Some(placed.surface);
                 let step = pulls.len().div_ceil(ENOUGH).max(1);
                 let mut pulls: Vec<Pull> = pulls.into_iter().step_by(step).collect();
                 let share = MARKED * pulls.iter().map(|pull| pull.along).sum::<f64>() / markers.len() as f64;

@@ -116,6 +116,7 @@ pub fn register(
     };
     let mut look_up = LookUp::new(source, target, options.match_distance);
     let total = options.steps * options.rounds;
+    let mut surface = None;
     for step in 0..options.steps {
         let fraction = if options.steps == 1 { 1.0 } else { step as f64 / (options.steps - 1) as f64 };
         let pull = options.closest.powf(fraction);
@@ -128,11 +129,12 @@ pub fn register(
         }
         let mut descent = None;
         for round in 0..options.rounds {
-            let placed = Placed::new(source, &u[..n]);
+            let placed = Placed::again(source, &u[..n], surface.take());
             let mut pulls = look_up.forth(&placed, pull * DIAGONAL_SQUARED, reach, job)?;
             if fraction >= BOTH_SIDES {
                 pulls.extend(look_up.back(&placed, pull * DIAGONAL_SQUARED, reach, job)?);
             }
+            surface = Some(placed.surface);
             pulls.extend(markers.iter().map(|m| {
                 let within = KEPT_WITHIN * options.marker_tolerance * trust;
                 let kept = KEPT * trust * m.share(&u, within);

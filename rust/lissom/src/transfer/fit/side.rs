@@ -75,7 +75,7 @@ pub struct Placed<'a> {
     pub side: &'a Side<'a>,
     /// Its vertices.
     pub positions: &'a [Vec3],
-    /// Its triangles.
+    /// Its triangles, of which those that match nothing are not found.
     pub surface: Surface,
     /// Normals of its vertices, as long as twice the area around them.
     pub normals: Vec<Vec3>,
@@ -84,9 +84,23 @@ pub struct Placed<'a> {
 impl<'a> Placed<'a> {
     /// A side with its vertices at `positions`.
     pub fn new(side: &'a Side<'a>, positions: &'a [Vec3]) -> Self {
+        Self::again(side, positions, None)
+    }
+
+    /// The same, with the surface of that side where it was before, which saves sorting its triangles.
+    pub fn again(side: &'a Side<'a>, positions: &'a [Vec3], before: Option<Surface>) -> Self {
         let triangles = side.mesh.triangles();
-        let (surface, normals) =
-            rayon::join(|| Surface::of(triangles, positions), || vertex_normals(triangles, positions));
+        let surface = || match before {
+            Some(mut surface) => {
+                surface.follow(triangles, positions);
+                surface
+            }
+            None => {
+                let corners = triangles.iter().map(|t| t.map(|v| positions[v as usize])).collect();
+                Surface::where_open(corners, |t| !side.masked[t])
+            }
+        };
+        let (surface, normals) = rayon::join(surface, || vertex_normals(triangles, positions));
         Self { side, positions, surface, normals }
     }
 
@@ -100,11 +114,11 @@ impl<'a> Placed<'a> {
         partner: Option<u32>,
         detour: f64,
     ) -> Option<Hit> {
-        let (surface, side) = (&self.surface, self.side);
-        let any = surface.closest_compatible_point_on(point, normal, reach, |t| !side.masked[t])?;
+        let (surface, component) = (&self.surface, &self.side.component);
+        let any = surface.closest_compatible_point_on(point, normal, reach, |_| true)?;
         match partner {
-            Some(partner) if side.component[any.triangle] != partner => {
-                let accept = |t: usize| side.component[t] == partner && !side.masked[t];
+            Some(partner) if component[any.triangle] != partner => {
+                let accept = |t: usize| component[t] == partner;
                 let further = any.distance + detour;
                 surface.closest_compatible_point_on(point, normal, further, accept).or(Some(any))
             }
@@ -117,6 +131,6 @@ impl<'a> Placed<'a> {
         let corners = self.side.mesh.triangles()[triangle];
         let blend: Vec3 =
             (0..3).map(|k| self.normals[corners[k] as usize].normalize_or_zero() * weights[k]).sum();
-        blend.try_normalize().unwrap_or(self.surface.normals()[triangle])
+        blend.try_normalize().unwrap_or(self.surface.normal(triangle))
     }
 }

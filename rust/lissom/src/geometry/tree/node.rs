@@ -1,0 +1,76 @@
+//! A node of a tree: its four children side by side, and what a search asks of them.
+
+/// By how much boxes are larger than what is in them, in the tree's units, where everything is within 1 of the centre:
+/// more than all that is lost by rounding to single precision.
+pub const PAD: f32 = 1e-6;
+
+/// In the place of a child that there is not.
+pub const NOTHING: u32 = u32::MAX;
+
+/// Children with this bit are slots, others are nodes.
+pub const LEAF: u32 = 1 << 31;
+
+/// Four children; of each coordinate all four in a row.
+#[derive(Clone)]
+pub struct Node {
+    /// Their boxes, ...
+    pub low: [[f32; 4]; 3],
+    pub high: [[f32; 4]; 3],
+    /// ... those of the normals in them, ...
+    pub normal_low: [[f32; 4]; 3],
+    pub normal_high: [[f32; 4]; 3],
+    /// ... and which they are.
+    pub child: [u32; 4],
+}
+
+impl Node {
+    /// No children yet.
+    pub fn nothing() -> Self {
+        let (low, high) = ([[f32::INFINITY; 4]; 3], [[f32::NEG_INFINITY; 4]; 3]);
+        Self { low, high, normal_low: low, normal_high: high, child: [NOTHING; 4] }
+    }
+
+    /// The boxes around all children.
+    #[inline]
+    pub fn joined(&self) -> [[f32; 3]; 4] {
+        let mut joined =
+            [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3], [f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+        (0..3).for_each(|axis| {
+            (0..4).for_each(|k| {
+                joined[0][axis] = joined[0][axis].min(self.low[axis][k]);
+                joined[1][axis] = joined[1][axis].max(self.high[axis][k]);
+                joined[2][axis] = joined[2][axis].min(self.normal_low[axis][k]);
+                joined[3][axis] = joined[3][axis].max(self.normal_high[axis][k]);
+            });
+        });
+        joined
+    }
+
+    /// The square of how far each child is at least from a point.
+    #[inline]
+    pub fn outside(&self, place: [f32; 3]) -> [f32; 4] {
+        let mut squared = [0.0f32; 4];
+        for (axis, &at) in place.iter().enumerate() {
+            (0..4).for_each(|k| {
+                let (below, above) = (self.low[axis][k] - at, at - self.high[axis][k]);
+                let out = if below > above { below } else { above };
+                let out = if out > 0.0 { out } else { 0.0 };
+                squared[k] += out * out;
+            });
+        }
+        // Far from the boxes the error is a part of the distance.
+        squared.iter_mut().for_each(|x| *x *= 1.0 - PAD);
+        squared
+    }
+
+    /// Leaves out the children in which nothing faces the way of a normal.
+    #[inline]
+    pub fn pass_over(&self, facing: [f32; 3], bound: &mut [f32; 4]) {
+        let mut most = [0.0f32; 4];
+        for (axis, &along) in facing.iter().enumerate() {
+            let side = if along > 0.0 { &self.normal_high[axis] } else { &self.normal_low[axis] };
+            (0..4).for_each(|k| most[k] += side[k] * along);
+        }
+        (0..4).for_each(|k| bound[k] = if most[k] > -PAD { bound[k] } else { f32::INFINITY });
+    }
+}
