@@ -122,6 +122,7 @@ bench: $(WHEEL)
 	.venv/bench/bin/python bench/transfer.py
 	.venv/bench/bin/python bench/fit.py
 	.venv/bench/bin/python bench/face.py
+	.venv/bench/bin/python bench/learn.py
 
 clean:
 	rm -rf .venv build dist target

@@ -8,7 +8,7 @@ import lissom
 from . import changes, commands, live, manual, preferences, rebind, session, translations, watch
 from .core import build
 from .drawing import ghost, guide, marks
-from .jobs import review
+from .jobs import learn_shown, review
 from .operators import (
     face,
     inbetween_all,
@@ -17,6 +17,7 @@ from .operators import (
     inbetween_export,
     inbetween_image,
     key_sides,
+    learn,
     page,
     pose_apply,
     pose_bake,
@@ -43,6 +44,7 @@ from .operators import (
     warnings,
 )
 from .panels import inbetween as inbetween_panel
+from .panels import keys as keys_panel
 from .panels import main as main_panel
 from .panels import markers as marker_panel
 from .panels import menus
@@ -89,6 +91,7 @@ _OPERATORS = (
     transfer_parts,
     transfer_show,
     key_sides,
+    learn,
     inbetween_bake,
     inbetween_all,
     inbetween_arcs,
@@ -102,6 +105,7 @@ _PANELS = (
     pose_panel,
     quality_panel,
     marker_panel,
+    keys_panel,
     transfer_panel,
     inbetween_panel,
 )  # in the order of the tab
@@ -127,6 +131,7 @@ def register():
     rebind.register()
     watch.register()
     changes.quality_row.append(review.show_row)
+    changes.learned_row.append(learn_shown.show_row)
     for module in _DRAWING:
         module.register()
     commands.register()
@@ -137,6 +142,7 @@ def unregister():
     for module in reversed(_DRAWING):
         module.unregister()
     changes.quality_row.remove(review.show_row)
+    changes.learned_row.remove(learn_shown.show_row)
     watch.unregister()
     rebind.unregister()
     live.unregister()

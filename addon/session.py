@@ -21,6 +21,7 @@ picking = None  # core.picking.Picking while markers are picked
 stale = {}  # session_uid of a mesh object -> names of its arcs whose ends were changed since they were baked
 review = None  # jobs.review.Review while transferred keys are looked at
 views = None  # (the area that was split, the new one), by their addresses, while there are two for picking
+learned = None  # jobs.learn_shown.Shown: what would be learned, while it is looked at
 other_build = False  # whether the native part is of another build than the extension
 history = 0  # counts undo, redo and file loading
 following = True  # whether meshes follow their handles
@@ -28,7 +29,7 @@ following = True  # whether meshes follow their handles
 
 def clear():
     """Forgets everything that belongs to a file."""
-    global fit, picking, review, views
+    global fit, picking, review, views, learned
     poses.clear()
     worlds.clear()
     skins.clear()
@@ -39,7 +40,7 @@ def clear():
     shadings.clear()
     colours.clear()
     stale.clear()
-    fit = picking = review = views = None
+    fit = picking = review = views = learned = None
 
 
 @contextlib.contextmanager

@@ -60,6 +60,17 @@ class Written:
         """(n, 3) offsets of a key as they were written."""
         return corrections.unpack(self._row(name).offsets)
 
+    def transferred(self, name):
+        """(n, 3) offsets of a key as they were transferred, before anything was learned."""
+        row = self._row(name)
+        return corrections.unpack(row.transferred) if row.transferred else self.written(name)
+
+    def learned(self, name, offsets):
+        """Keeps what has just been learned of a key, (n, 3), and what it was learned from."""
+        row = self._row(name)
+        row.transferred = corrections.pack(self.transferred(name))
+        row.offsets = corrections.pack(offsets)
+
     def correction(self, name):
         """(n, 3): what the artist has added to a key since."""
         return self._offsets(name) - self.written(name)
@@ -70,7 +81,7 @@ class Written:
             self._keys.lissom_written.add().name = name
             self._rows[name] = name
         row = self._row(name)
-        row.topology = self._topology
+        row.topology, row.transferred = self._topology, b""
         row.offsets = corrections.pack(self._offsets(name) if offsets is None else offsets)
 
     def tidy(self):

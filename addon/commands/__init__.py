@@ -8,9 +8,9 @@ import argparse
 import bpy
 import lissom
 
-from . import face, image, inbetween, transfer
+from . import face, image, inbetween, learn, transfer
 
-COMMANDS = {"face": face, "image": image, "inbetween": inbetween, "transfer": transfer}
+COMMANDS = {"face": face, "image": image, "inbetween": inbetween, "learn": learn, "transfer": transfer}
 BAD_INPUT, CANCELLED = 2, 130
 
 _handle = None

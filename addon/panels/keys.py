@@ -1,9 +1,31 @@
 """What is made of the target's shape keys once they are there."""
 
+import bpy
+
+from .. import session
 from ..bridge import shape_keys
-from .common import draw_fold
+from ..jobs.corrections import is_edited
+from ..layouts import split_column
+from ..translations import translated
+from .common import draw_fold, draw_lines
 
 SIDES = (("mirror", "MOD_MIRROR"), ("split", "SPLIT_VERTICAL"), ("sum", "ADD"))
+
+
+class LISSOM_UL_learned(bpy.types.UIList):
+    """How much each key would change by what is learned from the corrected ones."""
+
+    bl_idname = "LISSOM_UL_learned"
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property):
+        row = layout.row(align=True)
+        row.label(text=item.name, translate=False, icon="SCULPTMODE_HLT" if item.corrected else "NONE")
+        said = row.row()
+        said.alignment = "RIGHT"
+        told = f"{item.change:.1%}"
+        if item.corrected:
+            told = f"{max(0, item.foretold):.0%} foretold"
+        said.label(text=translated(told), translate=False)
 
 
 def draw_sides(layout, obj):
@@ -15,8 +37,30 @@ def draw_sides(layout, obj):
 def draw_made_keys(layout, settings):
     """A part of the panel, while the target has keys."""
     target = settings.target
-    if not shape_keys.key_names(target):
+    made = shape_keys.key_names(target)
+    if not made:
         return
     body = draw_fold(layout, "made_keys", "Keys of the Target")
     if body:
         draw_sides(body.column(align=True), target)
+        _draw_learning(body, settings, [name for name in made if is_edited(target, name)])
+
+
+def _draw_learning(layout, settings, corrected):
+    if not corrected:
+        draw_lines(layout, "INFO", "Correct some keys by hand, and the others can learn from them")
+        return
+    split_column(layout).prop(settings, "learn_strength")
+    row = layout.row(align=True)
+    for preview in (True, False):
+        text = "Preview" if preview else "Learn"
+        icon = "HIDE_OFF" if preview else "LIGHT"
+        button = row.operator("lissom.learn", text=text, icon=icon)
+        button.object, button.strength = settings.target.name, settings.learn_strength
+        button.preview = preview
+    if session.learned:
+        row.operator("lissom.learn_stop", text="", icon="X")
+        layout.template_list("LISSOM_UL_learned", "", settings, "learned", settings, "active_learned", rows=6)
+
+
+classes = (LISSOM_UL_learned,)

@@ -28,6 +28,7 @@ from .transfer_options import (
     exists_property,
     face_names_property,
     groups_property,
+    learn_strength_property,
     marker_tolerance_property,
     mask_property,
     match_distance_property,
@@ -36,6 +37,10 @@ from .transfer_options import (
     unmatched_property,
     uv_maps_property,
 )
+
+
+def _show_learned(settings, _):
+    changes.learned_row.tell(settings.id_data)
 
 
 def _is_mesh(_, obj):
@@ -102,6 +107,18 @@ class LissomWritten(bpy.types.PropertyGroup):
     name: StringProperty(description="Name of the shape key then")
     topology: StringProperty(description="The hash of the faces then")
     offsets: StringProperty(subtype="BYTE_STRING")
+    transferred: StringProperty(
+        description="The same before it was learned; empty: it was not", subtype="BYTE_STRING"
+    )
+
+
+class LissomLearned(bpy.types.PropertyGroup):
+    """How much one shape key would change by what is learned from those that were corrected."""
+
+    name: StringProperty(name="Shape Key")
+    change: FloatProperty(description="Of its motion; of a corrected key, what the correction is")
+    corrected: BoolProperty(description="Whether it is one of those that were corrected")
+    foretold: FloatProperty(description="What part of its correction the others foretell")
 
 
 class LissomBaked(bpy.types.PropertyGroup):
@@ -218,6 +235,10 @@ class LissomTransfer(bpy.types.PropertyGroup):
         ],
     )
 
+    learned: CollectionProperty(type=LissomLearned)
+    active_learned: IntProperty(name="Key", update=_show_learned)
+    learn_strength: learn_strength_property()
+
     def swap(self):
         """Source and target change places, with their further objects, marks, curves and masks."""
         for name in ("", "_mask", "_edges"):
@@ -247,6 +268,7 @@ classes = (
     LissomKeyQuality,
     LissomBaked,
     LissomWritten,
+    LissomLearned,
     LissomTransfer,
 )
 

@@ -30,6 +30,11 @@ def edited_property():
     )
 
 
+def learn_strength_property():
+    """The option ``strength`` of lissom.learn."""
+    return option_property(option("learn", "strength", label="Strength", high=2.0, soft_high=1.0))
+
+
 def match_distance_property():
     """The option of the same name of lissom.start_fit."""
     label = {"label": "Match Distance", "low": 1e-6, "high": 1.0, "soft_high": 0.1}

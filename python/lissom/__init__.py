@@ -11,6 +11,7 @@ is what ``x`` returns.
 from . import data, names
 from ._image import ImageMesh, image_mesh, start_image_mesh
 from ._inbetween import Blend, Inbetween, Keyframes, start_blend, start_inbetween
+from ._learn import Learned, learn, start_learn
 from ._native import (
     Cancelled,
     Error,
@@ -56,6 +57,7 @@ __all__ = [
     "InvalidValue",
     "Job",
     "Keyframes",
+    "Learned",
     "Mesh",
     "Option",
     "OutOfMemory",
@@ -73,12 +75,14 @@ __all__ = [
     "data",
     "fit_correspondence",
     "image_mesh",
+    "learn",
     "names",
     "options",
     "start_blend",
     "start_fit",
     "start_image_mesh",
     "start_inbetween",
+    "start_learn",
     "start_pose",
     "start_transfer",
 ]

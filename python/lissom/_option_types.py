@@ -138,6 +138,15 @@ class TransferOptions(TypedDict, total=False):
     around closed convex parts, as eyes are."""
 
 
+class LearnOptions(TypedDict, total=False):
+    """Options of learn."""
+
+    strength: float
+    """How much of what is learned is taken."""
+    reach: float
+    """How far around a correction it counts."""
+
+
 class PathOptions(TypedDict, total=False):
     """Options of inbetween."""
 

@@ -27,6 +27,8 @@ def call(owner, **options):
         return lissom.fit_correspondence(MESH, MESH, markers, **options)
     if owner == "transfer":
         return lissom.Transfer(MESH, MESH, SAME, **options)
+    if owner == "learn":
+        return lissom.learn(MESH, [BENT, VERTICES], {0: VERTICES}, **options)
     if owner == "inbetween":
         return lissom.Inbetween(MESH, VERTICES, BENT, **options)
     if owner == "image_mesh":

@@ -6,6 +6,7 @@ mod errors;
 mod image;
 mod inbetween;
 mod job;
+mod learn;
 mod mesh;
 mod options;
 mod pose;
@@ -39,6 +40,7 @@ fn native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(pose::start_pose, module)?)?;
     module.add_function(wrap_pyfunction!(transfer::start_fit, module)?)?;
     module.add_function(wrap_pyfunction!(transfer::start_transfer, module)?)?;
+    module.add_function(wrap_pyfunction!(learn::start_learn, module)?)?;
     module.add_function(wrap_pyfunction!(inbetween::start_inbetween, module)?)?;
     module.add_function(wrap_pyfunction!(inbetween::start_blend, module)?)?;
     module.add_function(wrap_pyfunction!(image::start_image_mesh, module)?)?;

@@ -4,7 +4,7 @@ use lissom::image::ImageMeshOptions;
 use lissom::inbetween::{BlendOptions, InbetweenOptions};
 use lissom::options::{Kind, OptionSet, Spec, Value};
 use lissom::pose::{CommonOptions, METHODS, MethodOptions, SolveOptions};
-use lissom::transfer::{FitOptions, TransferOptions};
+use lissom::transfer::{FitOptions, LearnOptions, TransferOptions};
 use lissom::{Error, Fault};
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
@@ -24,6 +24,7 @@ fn owners() -> PyResult<Vec<(String, Vec<Spec>)>> {
     }
     owners.push(("fit".to_owned(), FitOptions::default().own()));
     owners.push(("transfer".to_owned(), TransferOptions::default().own()));
+    owners.push(("learn".to_owned(), LearnOptions::default().own()));
     owners.push(("inbetween".to_owned(), InbetweenOptions::default().own()));
     owners.push(("blend".to_owned(), BlendOptions::default().own()));
     owners.push(("image_mesh".to_owned(), ImageMeshOptions::default().own()));

@@ -13,6 +13,8 @@
 //! 2. **Apply** ([`apply`]): each target triangle is asked to change as its matches do (`choose`), the
 //!    target is stitched ([`crate::stitch`]), and its components are put in their place (`place`).
 //!
+//! 3. **Learn** ([`learn`](mod@learn)): keys that an artist has corrected since teach the others.
+//!
 //! By the same images come weights, colours and UV maps over ([`attributes`], [`corners`]).
 //!
 //! # Notation
@@ -37,6 +39,7 @@ mod correspondence;
 pub mod fit;
 mod frames;
 mod image;
+pub mod learn;
 mod obstacle;
 mod options;
 mod place;
@@ -52,6 +55,7 @@ pub use apply::{Transfer, Transferred};
 pub use correspondence::Correspondence;
 pub use fit::{Doubtful, Fit, FitOptions, FitReport, fit_correspondence};
 pub use image::SurfacePoint;
-pub use options::{Frames, Scale, TransferOptions, Unmatched, Weighting};
+pub use learn::{Corrected, Learned, learn};
+pub use options::{Frames, LearnOptions, Scale, TransferOptions, Unmatched, Weighting};
 pub use quality::KeyQuality;
 pub use verdict::Verdict;

@@ -62,3 +62,14 @@ options! {
         pub contact: bool = false,
     }
 }
+
+options! {
+    /// Options of learning from corrected keys ([`super::learn`]).
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct LearnOptions {
+        /// How much of what is learned is taken.
+        pub strength: f64 = 1.0 => at_least(0.0),
+        /// How far around a correction it counts.
+        pub reach: f64 = 0.04 => above(0.0) at_most(1.0) unit("of the mesh's diagonal"),
+    }
+}

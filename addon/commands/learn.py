@@ -1,0 +1,53 @@
+"""``blender --command lissom learn``: keys that were corrected by hand teach the others."""
+
+import pathlib
+from dataclasses import asdict
+
+import bpy
+import lissom
+
+from ..core.files import write_json
+from ..core.options import argument
+from ..core.refused import Refused
+from ..jobs.learn import Learn, LearnAsked
+from . import outputs
+
+SUMMARY = "change shape keys as those that were corrected by hand since their transfer ask for"
+DONE, BAD_INPUT = 0, 2
+STRONGEST = 2
+
+
+def configure(parser):
+    """Adds the command's arguments to an argparse.ArgumentParser."""
+    add = parser.add_argument
+    add("--file", required=True, help="the .blend file with the corrected keys")
+    add("--target", required=True, help="mesh object that has them")
+    add("--right", nargs="+", default=[], help="names of keys that need no correction: they teach as much")
+    add("--strength", **argument("learn", "strength"))
+    add("--out", help="the .blend file to write (default: only the report)")
+    add("--report", help="also write what was learned as JSON")
+
+
+def run(arguments):
+    """Reads, learns, writes; returns the exit code."""
+    try:
+        outputs.check(arguments, ("file",), ("out", "report"))
+        if not 0 <= arguments.strength <= STRONGEST:
+            raise Refused(f"--strength: choose a number from 0 to {STRONGEST}")
+        bpy.ops.wm.open_mainfile(filepath=str(pathlib.Path(arguments.file).resolve()), load_ui=False)
+        asked = LearnAsked(
+            object=arguments.target, right="\n".join(arguments.right), strength=arguments.strength
+        )
+        job = Learn(bpy.context, asked)
+        done = job.write(bpy.context, job.work.wait())
+        if arguments.out:
+            outputs.save(arguments.out)
+        if arguments.report:
+            write_json(arguments.report, asdict(done))
+    except (Refused, lissom.Error, RuntimeError, OSError) as error:
+        print(f"Error: {str(error).removeprefix('Error: ').strip()}")
+        return BAD_INPUT
+    for warning in done.warnings:
+        print(f"Warning: {warning}")
+    print(done.summary)
+    return DONE
