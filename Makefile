@@ -121,11 +121,8 @@ bench: $(WHEEL)
 	.venv/bench/bin/python bench/inbetween.py
 	.venv/bench/bin/python bench/transfer.py
 	.venv/bench/bin/python bench/fit.py
-<<<<<<< HEAD
 	.venv/bench/bin/python bench/face.py
-=======
 	.venv/bench/bin/python bench/learn.py
->>>>>>> 8d5db73 (Corrected keys teach the others: lissom.learn, Learn from Corrections, a command)
 
 clean:
 	rm -rf .venv build dist target
