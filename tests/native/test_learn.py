@@ -82,7 +82,7 @@ def person(data, seed):
 
 @pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize("taught", TAUGHT)
-def test_five_corrected_keys_teach_the_other_46(person, seed, taught):
+def test_five_corrected_keys_teach_the_others(person, seed, taught):
     before, after, result, corrected = person.learned(person.own(seed, 0.2), taught)
     assert after.sum() < 0.8 * before.sum()
     assert (after / before).max() < 1.05

@@ -56,6 +56,22 @@ impl SplitMatrix {
         Self { sparse, apart: apart.into_iter().filter(|(w, _)| *w != 0.0).collect() }
     }
 
+    /// `A D A` with a diagonal `D`, long rows of `A` apart.
+    ///
+    /// # Errors
+    ///
+    /// As [`SymmetricMatrix::normal`].
+    pub fn sandwich(a: &SymmetricMatrix, diagonal: &[f64]) -> Result<Self> {
+        let rows = a.rows();
+        let long = long_rows(&rows.iter().map(<[_]>::len).collect::<Vec<_>>());
+        // A vertex with a row apart keeps its place on the diagonal.
+        let places: Vec<[(u32, f64); 1]> = (0..a.size() as u32).map(|i| [(i, 0.0)]).collect();
+        let own = |i: usize| if long[i] { &places[i][..] } else { rows.of(i) };
+        let sparse = SymmetricMatrix::normal(a.size(), (0..a.size()).map(|i| (diagonal[i], own(i))))?;
+        let apart = (0..a.size()).filter(|&i| long[i]).map(|i| (diagonal[i], rows.of(i).to_vec()));
+        Ok(Self::new(sparse, apart.collect()))
+    }
+
     /// `a M + b N` with another matrix `N` of the same size.
     pub fn combine(&self, a: f64, other: &Self, b: f64) -> Self {
         let scaled = |m: &Self, by: f64| m.apart.iter().map(|(w, row)| (by * w, row.clone())).collect();

@@ -3,7 +3,6 @@
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use rayon::prelude::*;
 
-use super::apart::{SplitMatrix, long_rows};
 use crate::geometry::rows::Rows;
 use crate::{Mat3, Result, Vec3, memory};
 
@@ -164,22 +163,6 @@ impl SymmetricMatrix {
             [Some((i, (j, value))), (i != j).then_some((j, (i, value)))].into_iter().flatten()
         });
         Rows::sort(self.size(), both.collect::<Vec<_>>().into_iter())
-    }
-
-    /// `A D A` with a diagonal `D`, long rows of `A` apart.
-    ///
-    /// # Errors
-    ///
-    /// As [`SymmetricMatrix::normal`].
-    pub fn sandwich(&self, diagonal: &[f64]) -> Result<SplitMatrix> {
-        let rows = self.rows();
-        let long = long_rows(&rows.iter().map(<[_]>::len).collect::<Vec<_>>());
-        // A vertex with a row apart keeps its place on the diagonal.
-        let places: Vec<[(u32, f64); 1]> = (0..self.size() as u32).map(|i| [(i, 0.0)]).collect();
-        let own = |i: usize| if long[i] { &places[i][..] } else { rows.of(i) };
-        let sparse = Self::normal(self.size(), (0..self.size()).map(|i| (diagonal[i], own(i))))?;
-        let apart = (0..self.size()).filter(|&i| long[i]).map(|i| (diagonal[i], rows.of(i).to_vec()));
-        Ok(SplitMatrix::new(sparse, apart.collect()))
     }
 
     /// `a A + b B` with another matrix `B` of the same size.

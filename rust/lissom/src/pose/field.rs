@@ -55,7 +55,7 @@ pub(super) fn polyharmonic(mesh: &Mesh, order: usize) -> Result<SplitMatrix> {
     let inverse = inverse_mass(mesh);
     match order {
         0 => Ok(laplacian.into()),
-        1 => laplacian.sandwich(&inverse),
+        1 => SplitMatrix::sandwich(&laplacian, &inverse),
         2 => triharmonic(&laplacian, &inverse),
         _ => Err(Error::InvalidValue(Fault::new("border", format!("must be 0, 1 or 2, got {order}")))),
     }

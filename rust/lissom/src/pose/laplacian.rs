@@ -15,7 +15,7 @@ use super::goal::Goal;
 use super::method::Method;
 use super::region::Region;
 use super::responses::{Linear, Response, minima};
-use crate::linear::{ConstrainedSystem, SymmetricMatrix};
+use crate::linear::{ConstrainedSystem, SplitMatrix, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::graph::graph_laplacian;
 use crate::options::{choices, options};
@@ -61,7 +61,7 @@ impl Laplacian {
     /// [`crate::Error::SolveFailed`] where it cannot be factored.
     pub fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let (laplacian, squares) = operator(region.mesh(), options.weights);
-        let matrix = laplacian.sandwich(&squares)?;
+        let matrix = SplitMatrix::sandwich(&laplacian, &squares)?;
         let system = ConstrainedSystem::of_split(&matrix, region.constraints().clone(), job)?;
         Ok(Self { system, laplacian, squares })
     }

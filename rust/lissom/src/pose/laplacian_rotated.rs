@@ -17,7 +17,7 @@ use super::laplacian::{LaplacianWeights, operator};
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
 use super::responses::minima;
-use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
+use crate::linear::{ConstrainedSystem, Constraints, SplitMatrix, SymmetricMatrix};
 use crate::operators::cotangent::cotangent_laplacian;
 use crate::operators::gradient::deformation_gradients;
 use crate::options::options;
@@ -58,7 +58,7 @@ impl LaplacianRotated {
     fn new(region: &Region, options: &Options, job: &Job) -> Result<Self> {
         let mesh = region.mesh();
         let (laplacian, squares) = operator(mesh, options.weights);
-        let matrix = laplacian.sandwich(&squares)?;
+        let matrix = SplitMatrix::sandwich(&laplacian, &squares)?;
         let system = ConstrainedSystem::of_split(&matrix, region.constraints().clone(), job)?;
         let mass: Vec<f64> = inverse_mass(mesh).into_iter().map(|inverse| 1.0 / inverse).collect();
         let mean = if options.estimate > 0.0 {

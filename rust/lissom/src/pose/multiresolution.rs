@@ -103,7 +103,7 @@ impl Multiresolution {
 fn details(region: &Region, length: f64, job: &Job) -> Result<Vec<Vec3>> {
     let mesh = region.mesh();
     let (laplacian, inverse) = (cotangent_laplacian(mesh), inverse_mass(mesh));
-    let bending = laplacian.sandwich(&inverse)?;
+    let bending = SplitMatrix::sandwich(&laplacian, &inverse)?;
     let mass = (0u32..).zip(&inverse).map(|(v, inverse)| (v, v, 1.0 / inverse));
     let mass = SymmetricMatrix::from_entries(mesh.rest().len(), mass);
     let stiffness = length.powi(4);

@@ -73,7 +73,11 @@ impl ThinShell {
             given.for_each(|(_, inverse)| *inverse = 0.0);
         }
         let matrix = match options.border {
-            0 => SplitMatrix::from(laplacian.clone()).combine(k_s, &laplacian.sandwich(&inverse)?, k_b),
+            0 => SplitMatrix::from(laplacian.clone()).combine(
+                k_s,
+                &SplitMatrix::sandwich(&laplacian, &inverse)?,
+                k_b,
+            ),
             border => polyharmonic(mesh, border - 1)?.combine(k_s, &polyharmonic(mesh, border)?, k_b),
         };
         let system = ConstrainedSystem::of_split(&matrix, region.constraints().clone(), job)?;

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use super::anchor::Anchors;
 use super::choose::{Chooser, SourceKey};
-use super::closing::Closing;
+use super::closing::{Closing, Moving, Ways};
 use super::correspondence::Correspondence;
 use super::options::{TransferOptions, Unmatched, Weighting};
 use super::place::Placer;
@@ -213,10 +213,16 @@ impl Transfer {
         (changes, moves)
     }
 
+    /// What contacts are looked for and closed by.
+    pub(super) fn ways(&self) -> Ways<'_> {
+        let Self { source, target, used, chooser, anchors, placer, .. } = self;
+        Ways { source, target, used, chooser, anchors, placer }
+    }
+
     /// From displacements in unit coordinates, up to a translation, to positions.
     fn finish(&self, moving: &Moving, mut displacements: Vec<Vec3>) -> Result<Vec<Vec3>> {
         if let Some(closing) = &self.closing {
-            displacements = self.close(closing, moving, displacements);
+            displacements = closing.close(&self.ways(), moving, &displacements);
         } else {
             let Moving { key, moves, .. } = moving;
             self.placer.place(&self.target, &self.chooser, key, moves, &mut displacements);
@@ -249,15 +255,6 @@ pub(super) fn check(name: &str, poses: &[Vec<Vec3>], mesh: &Mesh, whose: &str) -
         Some(fault) => Err(Error::InvalidValue(fault)),
         None => Ok(()),
     }
-}
-
-/// A key on its way.
-pub(super) struct Moving<'a> {
-    pub key: SourceKey<'a>,
-    /// Displacements of the images of the target's vertices.
-    pub moved: Vec<Vec3>,
-    /// Whether each of its triangles moves.
-    pub moves: Vec<bool>,
 }
 
 /// `w_t` over the area of each triangle, as the stitcher already weighs by area.

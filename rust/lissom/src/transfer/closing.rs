@@ -3,10 +3,12 @@
 
 use std::collections::BTreeMap;
 
-use super::apply::{Moving, Transfer};
-use super::choose::SourceKey;
+use super::anchor::Anchors;
+use super::choose::{Chooser, SourceKey};
 use super::contact::{self, Contact};
+use super::correspondence::Correspondence;
 use super::obstacle::{Least, Obstacles};
+use super::place::Placer;
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::{Job, Mesh, Result, Vec3};
 
@@ -31,38 +33,22 @@ impl Closing {
         let system = contact::system(target, stitching, job)?;
         Ok(Self { system, obstacles: Obstacles::of(target), of_source: Obstacles::of(source) })
     }
-}
-
-impl Transfer {
-    /// Whether places that come together on the source are made to on the target.
-    pub(super) fn closes_contacts(&self) -> bool {
-        self.closing.is_some()
-    }
-
-    /// What comes together in a key.
-    pub(super) fn contacts(&self, key: &SourceKey, moved: &[Vec3]) -> Vec<Contact> {
-        let size = |component| self.anchors.size(component);
-        contact::contacts(&self.source, &self.target, &self.used, key, moved, size)
-    }
 
     /// The displacements, placed, with contacts closed and nothing pushed into solids.
-    pub(super) fn close(
-        &self,
-        Closing { system, obstacles, of_source }: &Closing,
-        Moving { key, moved, moves }: &Moving,
-        stitched: Vec<Vec3>,
-    ) -> Vec<Vec3> {
+    pub fn close(&self, ways: &Ways, Moving { key, moved, moves }: &Moving, stitched: &[Vec3]) -> Vec<Vec3> {
+        let Self { system, obstacles, of_source } = self;
+        let &Ways { target, chooser, placer, .. } = ways;
         let with = |contacts: &[Contact]| {
-            let mut displacements = stitched.clone();
-            contact::close(&self.target, system, contacts, &mut displacements);
-            self.placer.place(&self.target, &self.chooser, key, moves, &mut displacements);
+            let mut displacements = stitched.to_vec();
+            contact::close(target, system, contacts, &mut displacements);
+            placer.place(target, chooser, key, moves, &mut displacements);
             displacements
         };
-        let contacts = self.contacts(key, moved);
+        let contacts = ways.contacts(key, moved);
         let mut displacements = with(&contacts);
         let Some(obstacles) = obstacles else { return displacements };
         let least = match of_source {
-            Some(solids) => self.as_far_as_on_the_source(solids, key, moved),
+            Some(solids) => ways.as_far_as_on_the_source(solids, key, moved),
             None => {
                 let mut least = vec![Least::Travelled; displacements.len()];
                 let met = contacts.iter().flat_map(Contact::vertices);
@@ -72,18 +58,46 @@ impl Transfer {
         };
         let mut points: BTreeMap<u32, Vec3> = BTreeMap::new();
         for _ in 0..ASKED {
-            let short = obstacles.short(&self.target, &least, &displacements);
+            let short = obstacles.short(target, &least, &displacements);
             if short.is_empty() {
                 break;
             }
             for (v, by) in short {
-                let at = self.target.rest()[v as usize] + displacements[v as usize];
+                let at = target.rest()[v as usize] + displacements[v as usize];
                 *points.entry(v).or_insert(at) += by;
             }
-            let pulls = points.iter().map(|(&v, &point)| Contact::with_point(&self.target, v, point));
+            let pulls = points.iter().map(|(&v, &point)| Contact::with_point(target, v, point));
             displacements = with(&contacts.iter().cloned().chain(pulls).collect::<Vec<_>>());
         }
         displacements
+    }
+}
+
+/// What a transfer goes by.
+#[derive(Clone, Copy)]
+pub struct Ways<'a> {
+    pub source: &'a Mesh,
+    pub target: &'a Mesh,
+    pub used: &'a Correspondence,
+    pub chooser: &'a Chooser,
+    pub anchors: &'a Anchors,
+    pub placer: &'a Placer,
+}
+
+/// A key on its way.
+pub struct Moving<'a> {
+    pub key: SourceKey<'a>,
+    /// Displacements of the images of the target's vertices.
+    pub moved: Vec<Vec3>,
+    /// Whether each of its triangles moves.
+    pub moves: Vec<bool>,
+}
+
+impl Ways<'_> {
+    /// What comes together in a key.
+    pub fn contacts(&self, key: &SourceKey, moved: &[Vec3]) -> Vec<Contact> {
+        let size = |component| self.anchors.size(component);
+        contact::contacts(self.source, self.target, self.used, key, moved, size)
     }
 
     /// How far outside of solids the images of the target's vertices are.
@@ -94,7 +108,7 @@ impl Transfer {
             Some((self.source.triangles()[triangle as usize][0], at))
         };
         let images: Vec<_> = moved.iter().enumerate().map(image).collect();
-        let outside = solids.outside(&self.source, &key.displacement, &images);
+        let outside = solids.outside(self.source, &key.displacement, &images);
         let size = |v: usize| self.target.components().of_vertex(v).map(|c| self.anchors.size(c));
         let least = |v: usize| match images[v].and(size(v)) {
             Some(size) => Least::Outside(outside[v].map_or(f64::INFINITY, |outside| outside * size)),

@@ -142,7 +142,7 @@ impl Transfer {
             (count, if count > 0 { (area_of(&which) / moving).max(f64::MIN_POSITIVE) } else { 0.0 })
         };
         let (turned, torn) = (part(|t| t.turned), part(|t| t.torn));
-        let contacts = self.contacts(&key, &moved);
+        let contacts = self.ways().contacts(&key, &moved);
         let gaps: Vec<_> = contacts.iter().map(|c| c.closing(target, &displacements)).collect();
         let gap = gaps.iter().fold(0.0, |sum, (_, left)| sum + left) / contacts.len().max(1) as f64;
         let way: f64 = gaps.iter().map(|(way, _)| way).sum();
@@ -157,7 +157,7 @@ impl Transfer {
         let along = contacts.iter().map(Contact::length).sum();
         let covered = self.covered(&key, matched);
         let mut found = Findings { turned, torn, along, gap, closing, strength, crooked, covered };
-        if self.closes_contacts() && found.closes() {
+        if self.closing.is_some() && found.closes() {
             // Lids of larger eyes have a longer way than the source's.
             found.strength = strength.min(1.0);
         }

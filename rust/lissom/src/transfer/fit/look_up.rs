@@ -24,6 +24,9 @@ const ACROSS: f64 = 0.02;
 /// Distances that make no difference between what is nearer, in unit coordinates.
 const NEAR: f64 = 0.002;
 
+/// Vertices of the target that are asked for each of the source: with fewer, a coarse source misses what is thin.
+const ENOUGH: usize = 4;
+
 /// Vertices of a component that are asked where it lies; all know much the same.
 const ASKED: usize = 2000;
 
@@ -122,7 +125,7 @@ impl<'a> LookUp<'a> {
     /// [`crate::Error::Cancelled`].
     pub fn back(&self, source: &Placed, weight: f64, reach: f64, job: &Job) -> Result<Vec<Pull>> {
         let (target, mesh) = (self.target.side, self.target.side.mesh);
-        let every = (mesh.vertices().len() / source.positions.len().max(1)).max(1);
+        let every = (mesh.vertices().len() / (ENOUGH * source.positions.len().max(1))).max(1);
         let asked = mesh.vertices().len() / every;
         let weight = weight * (source.positions.len() as f64 / asked as f64).min(1.0);
         let pull = |k: usize| {
