@@ -5,9 +5,8 @@
     DISPLAY=:9 blender --factory-startup -p 0 0 1600 1000 --python tools/panel_picture.py &
     DISPLAY=:9 import -window root docs/pictures/panel.png      once it prints "ready"
 
-Click on the header of Pose before taking it, to fold that. With ``-- pose`` after the script's name it sets
-the scene of docs/pictures/panel_pose.png, a bound head; open Bake Animation and Options there, and cut it out
-with ``-crop 985x840+330+62``.
+With ``-- pose`` after the script's name it sets the scene of docs/pictures/panel_pose.png, a bound head, and
+with ``-- inbetween`` that of panel_inbetween.png, a bent tube; cut them out with ``-crop 985x840+330+62``.
 
 ImageMagick's import takes the picture: Blender's own screenshot is black on a display without graphics card.
 """
@@ -113,7 +112,11 @@ def stage():
     yield SETTLE
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
-    {"pose": posed, "inbetween": bent}.get(sys.argv[-1], transferred)()
+    make, page = {"pose": (posed, "POSE"), "inbetween": (bent, "INBETWEEN")}.get(
+        sys.argv[-1], (transferred, "TRANSFER")
+    )
+    make()
+    bpy.context.window_manager.lissom_page = page
     yield from arrange()
     print("ready", flush=True)
 
