@@ -6,6 +6,7 @@ registered here; messages that are made of several parts go through ``translated
 
 import json
 import pathlib
+import re
 
 import bpy
 
@@ -30,13 +31,21 @@ def translated(text):
     return catalogue.said(text) if catalogue else text
 
 
+def _indented(text):
+    """A docstring as it stands in the source, which Python takes the indentation from only since 3.13."""
+    return re.sub(r"\n(?=[^\n])", "\n    ", text)
+
+
 def register():
     registered = {}
     for file in FOLDER.glob("*.json"):
         table = json.loads(file.read_text(encoding="utf-8"))
         _catalogues[file.stem] = Catalogue(table)
         registered[file.stem] = {
-            (context, text): said for text, said in table.items() for context in CONTEXTS
+            (context, spelled): said
+            for text, said in table.items()
+            for spelled in (text, _indented(text))
+            for context in CONTEXTS
         }
     bpy.app.translations.register(__name__, registered)
 

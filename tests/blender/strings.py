@@ -39,6 +39,8 @@ def of_classes(classes):
             for prop in kind.properties:
                 if prop.identifier != "rna_type" and not prop.is_hidden:
                     found.update(dict.fromkeys(_of_property(prop), f"{cls.__name__}.{prop.identifier}"))
+    # Python takes the indentation from docstrings only since 3.13.
+    found = {re.sub(r"\n {4}", "\n", text): place for text, place in found.items()}
     return {text: place for text, place in found.items() if TEXT.search(text)}
 
 
@@ -46,7 +48,8 @@ def _of_property(prop):
     if prop.name == prop.identifier:  # it has none: no panel shows it
         return
     yield prop.name
-    yield prop.description
+    if prop.description != bpy.types.PropertyGroup.bl_rna.properties["name"].description:  # Blender's own
+        yield prop.description
     if prop.type == "ENUM":
         for item in prop.enum_items_static:
             yield item.name
