@@ -8,6 +8,7 @@ import argparse
 import bpy
 import lissom
 
+from ..core.refused import Refused
 from . import face, image, inbetween, learn, transfer
 
 COMMANDS = {"face": face, "image": image, "inbetween": inbetween, "learn": learn, "transfer": transfer}
@@ -37,6 +38,9 @@ def main(words):
     except (KeyboardInterrupt, lissom.Cancelled):
         print("Cancelled")
         return CANCELLED
+    except (Refused, lissom.Error, RuntimeError, OSError) as error:
+        print(f"Error: {str(error).removeprefix('Error: ').strip()}")
+        return BAD_INPUT
 
 
 def register():

@@ -5,7 +5,6 @@ import time
 from dataclasses import asdict
 
 import bpy
-import lissom
 from lissom import names
 
 from ..core.files import write_json
@@ -43,31 +42,27 @@ def configure(parser):
 def run(arguments):
     """Reads, makes the keys, writes; returns the exit code."""
     started = time.perf_counter()
-    try:
-        outputs.check(arguments, ("file", "landmarks"), ("out", "report"))
-        if not 0 <= arguments.strength <= 10:
-            raise Refused("--strength: choose a number from 0 to 10")
-        bpy.ops.wm.open_mainfile(filepath=str(pathlib.Path(arguments.file).resolve()), load_ui=False)
-        asked = FaceAsked(
-            target=arguments.target,
-            parts="\n".join(arguments.parts),
-            names=arguments.names.upper(),
-            exists=arguments.exists.upper(),
-            edited=arguments.edited.upper(),
-            contact=not arguments.no_contact,
-            strength=arguments.strength,
-            landmarks=arguments.landmarks or "",
-            kinds="\n".join(told.replace("=", " ", 1) for told in arguments.kinds),
-        )
-        job = FaceKeys(bpy.context, asked)
-        done = job.write(bpy.context, job.work.wait())
-        if not done.stopped:
-            outputs.save(arguments.out)
-        if arguments.report:
-            write_json(arguments.report, asdict(done) | {"seconds": round(time.perf_counter() - started, 3)})
-    except (Refused, lissom.Error, RuntimeError, OSError) as error:
-        print(f"Error: {str(error).removeprefix('Error: ').strip()}")
-        return BAD_INPUT
+    outputs.check(arguments, ("file", "landmarks"), ("out", "report"))
+    if not 0 <= arguments.strength <= 10:
+        raise Refused("--strength: choose a number from 0 to 10")
+    bpy.ops.wm.open_mainfile(filepath=str(pathlib.Path(arguments.file).resolve()), load_ui=False)
+    asked = FaceAsked(
+        target=arguments.target,
+        parts="\n".join(arguments.parts),
+        names=arguments.names.upper(),
+        exists=arguments.exists.upper(),
+        edited=arguments.edited.upper(),
+        contact=not arguments.no_contact,
+        strength=arguments.strength,
+        landmarks=arguments.landmarks or "",
+        kinds="\n".join(told.replace("=", " ", 1) for told in arguments.kinds),
+    )
+    job = FaceKeys(bpy.context, asked)
+    done = job.write(bpy.context, job.work.wait())
+    if not done.stopped:
+        outputs.save(arguments.out)
+    if arguments.report:
+        write_json(arguments.report, asdict(done) | {"seconds": round(time.perf_counter() - started, 3)})
     if done.stopped:
         print(f"Error: {done.summary}")
         return BAD_INPUT

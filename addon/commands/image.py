@@ -3,7 +3,6 @@
 import pathlib
 
 import bpy
-import lissom
 
 from ..core.image import LABELS
 from ..core.options import argument
@@ -12,7 +11,7 @@ from ..jobs.image import ImageAsked, ImageMesh, lay_second
 from . import outputs
 
 SUMMARY = "make a flat mesh of an image, or lay a second image under the end of its arc"
-DONE, BAD_INPUT = 0, 2
+DONE = 0
 
 
 def configure(parser):
@@ -32,25 +31,19 @@ def configure(parser):
 
 def run(arguments):
     """Reads, makes, writes; returns the exit code."""
-    try:
-        _check(arguments)
-        if arguments.file:
-            bpy.ops.wm.open_mainfile(filepath=str(pathlib.Path(arguments.file).resolve()), load_ui=False)
-        else:
-            bpy.ops.wm.read_factory_settings(use_empty=True)
-        image = str(pathlib.Path(arguments.image or arguments.second).resolve())
-        if arguments.image:
-            asked = {name: getattr(arguments, name) for name in LABELS}
-            job = ImageMesh(bpy.context, ImageAsked(filepath=image, height=arguments.height, **asked))
-            done = job.write(bpy.context, job.work.wait())
-        else:
-            done = lay_second(bpy.context, arguments.object, arguments.slider, filepath=image)
-        outputs.save(arguments.out)
-    except lissom.Cancelled:
-        raise
-    except (Refused, lissom.Error, RuntimeError) as error:
-        print(f"Error: {str(error).removeprefix('Error: ').strip()}")
-        return BAD_INPUT
+    _check(arguments)
+    if arguments.file:
+        bpy.ops.wm.open_mainfile(filepath=str(pathlib.Path(arguments.file).resolve()), load_ui=False)
+    else:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+    image = str(pathlib.Path(arguments.image or arguments.second).resolve())
+    if arguments.image:
+        asked = {name: getattr(arguments, name) for name in LABELS}
+        job = ImageMesh(bpy.context, ImageAsked(filepath=image, height=arguments.height, **asked))
+        done = job.write(bpy.context, job.work.wait())
+    else:
+        done = lay_second(bpy.context, arguments.object, arguments.slider, filepath=image)
+    outputs.save(arguments.out)
     outputs.say(done)
     return DONE
 

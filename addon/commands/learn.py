@@ -4,7 +4,6 @@ import pathlib
 from dataclasses import asdict
 
 import bpy
-import lissom
 
 from ..core.files import write_json
 from ..core.options import argument
@@ -13,7 +12,7 @@ from ..jobs.learn import Learn, LearnAsked
 from . import outputs
 
 SUMMARY = "change shape keys as those that were corrected by hand since their transfer ask for"
-DONE, BAD_INPUT = 0, 2
+DONE = 0
 STRONGEST = 2
 
 
@@ -30,23 +29,17 @@ def configure(parser):
 
 def run(arguments):
     """Reads, learns, writes; returns the exit code."""
-    try:
-        outputs.check(arguments, ("file",), ("out", "report"))
-        if not 0 <= arguments.strength <= STRONGEST:
-            raise Refused(f"--strength: choose a number from 0 to {STRONGEST}")
-        bpy.ops.wm.open_mainfile(filepath=str(pathlib.Path(arguments.file).resolve()), load_ui=False)
-        asked = LearnAsked(
-            object=arguments.target, right="\n".join(arguments.right), strength=arguments.strength
-        )
-        job = Learn(bpy.context, asked)
-        done = job.write(bpy.context, job.work.wait())
-        if arguments.out:
-            outputs.save(arguments.out)
-        if arguments.report:
-            write_json(arguments.report, asdict(done))
-    except (Refused, lissom.Error, RuntimeError, OSError) as error:
-        print(f"Error: {str(error).removeprefix('Error: ').strip()}")
-        return BAD_INPUT
+    outputs.check(arguments, ("file",), ("out", "report"))
+    if not 0 <= arguments.strength <= STRONGEST:
+        raise Refused(f"--strength: choose a number from 0 to {STRONGEST}")
+    bpy.ops.wm.open_mainfile(filepath=str(pathlib.Path(arguments.file).resolve()), load_ui=False)
+    asked = LearnAsked(object=arguments.target, right="\n".join(arguments.right), strength=arguments.strength)
+    job = Learn(bpy.context, asked)
+    done = job.write(bpy.context, job.work.wait())
+    if arguments.out:
+        outputs.save(arguments.out)
+    if arguments.report:
+        write_json(arguments.report, asdict(done))
     for warning in done.warnings:
         print(f"Warning: {warning}")
     print(done.summary)

@@ -5,7 +5,6 @@ import time
 from dataclasses import asdict
 
 import bpy
-import lissom
 
 from ..core import bake
 from ..core.files import write_json
@@ -19,7 +18,7 @@ from ..jobs.transfer_pose import AnimationAsked, PoseAsked, TransferAnimation, T
 from . import outputs
 
 SUMMARY = "carry shape keys, a pose or animation of one mesh over to another of different topology"
-DONE, BAD_INPUT, PARTLY_DONE = 0, 2, 3
+DONE, PARTLY_DONE = 0, 3
 MAX_FRAME = 1_048_574
 
 
@@ -68,26 +67,22 @@ def configure(parser):
 def run(arguments):
     """Reads, transfers, writes; returns the exit code."""
     started = time.perf_counter()
-    try:
-        _check(arguments)
-        bpy.ops.wm.open_mainfile(filepath=_absolute(arguments.file), load_ui=False)
-        arguments.target = list(dict.fromkeys(arguments.target))
-        targets = mesh_objects(bpy.context, arguments.target)
-        brought = Brought(bpy.context, arguments.source, _source_file(arguments))
-        sources = brought.objects
-        transfer = next((run for name, run in INSTEAD.items() if getattr(arguments, name)), _transfer_keys)
-        report = {"source": [source.name for source in sources], "target": arguments.target, "errors": []}
-        done, what = transfer(arguments, sources, _common(arguments, sources))
-        report |= what
-        report |= {"fit": done.fit.fit.report, "doubtful_markers": done.doubtful_markers}
-        report["seconds"] = round(time.perf_counter() - started, 3)
-        report["errors"] += brought.send_back(targets)
-        outputs.save(arguments.out)
-        if arguments.report:
-            write_json(arguments.report, report)
-    except (Refused, lissom.Error, RuntimeError, OSError) as error:
-        print(f"Error: {str(error).removeprefix('Error: ').strip()}")
-        return BAD_INPUT
+    _check(arguments)
+    bpy.ops.wm.open_mainfile(filepath=_absolute(arguments.file), load_ui=False)
+    arguments.target = list(dict.fromkeys(arguments.target))
+    targets = mesh_objects(bpy.context, arguments.target)
+    brought = Brought(bpy.context, arguments.source, _source_file(arguments))
+    sources = brought.objects
+    transfer = next((run for name, run in INSTEAD.items() if getattr(arguments, name)), _transfer_keys)
+    report = {"source": [source.name for source in sources], "target": arguments.target, "errors": []}
+    done, what = transfer(arguments, sources, _common(arguments, sources))
+    report |= what
+    report |= {"fit": done.fit.fit.report, "doubtful_markers": done.doubtful_markers}
+    report["seconds"] = round(time.perf_counter() - started, 3)
+    report["errors"] += brought.send_back(targets)
+    outputs.save(arguments.out)
+    if arguments.report:
+        write_json(arguments.report, report)
     for error in report["errors"]:
         print(f"Error: {error}")
     outputs.say_quality(report.get("quality", ()))

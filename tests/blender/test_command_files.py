@@ -3,8 +3,10 @@
 import itertools
 
 import bpy
+import lissom
 import pytest
 from bl_ext.user_default.lissom import commands
+from bl_ext.user_default.lissom.core.refused import Refused
 
 READS = {
     "transfer": ("file", "source-file", "markers"),
@@ -82,3 +84,24 @@ def test_saving_keeps_links_and_rights(folder):
     link.symlink_to(kept)
     outputs.save(link)
     assert link.is_symlink() and kept.stat().st_mode & 0o777 == 0o640 and kept.read_bytes() != b"old"
+
+
+@pytest.mark.parametrize("command", READS)
+@pytest.mark.parametrize(
+    ("error", "code", "said"),
+    [
+        (lissom.Cancelled("cancelled"), 130, "Cancelled"),
+        (KeyboardInterrupt(), 130, "Cancelled"),
+        (lissom.SolveFailed("it overflows"), 2, "Error: it overflows"),
+        (Refused("There is no face"), 2, "Error: There is no face"),
+        (RuntimeError("Error: not a .blend\n"), 2, "Error: not a .blend"),
+        (OSError("no space left"), 2, "Error: no space left"),
+    ],
+)
+def test_all_commands_end_alike_by_what_goes_wrong(folder, capsys, monkeypatch, command, error, code, said):
+    def fails(arguments):
+        raise error
+
+    monkeypatch.setattr(commands.COMMANDS[command], "run", fails)
+    assert commands.main(words(command, folder)) == code
+    assert capsys.readouterr().out.splitlines()[-1] == said
