@@ -64,8 +64,11 @@ class Unsure(NamedTuple):
 
 def middles(face):
     """(3, 3) of the left eye's opening, the right one's and the mouth, of the face that comes along."""
-    points = [face.neutral[face.curves[name]] for name in CURVES]
-    return np.array([(one.min(axis=0) + one.max(axis=0)) / 2 for one in points])
+    return _middles([face.neutral[face.curves[name]] for name in CURVES])
+
+
+def _middles(curves):
+    return np.array([(one.min(axis=0) + one.max(axis=0)) / 2 for one in curves])
 
 
 def locate_steps(face, head, marks=None):
@@ -166,9 +169,8 @@ def landmark_confidence(face, fit, vertices):
 
 def _proportions(face, rest):
     """Of a person: eye to mouth, width of the mouth and height of an eye, over the distance of the eyes."""
-    left, right, lips = (rest[face.curves[name]] for name in CURVES)
-    centres = [(one.min(axis=0) + one.max(axis=0)) / 2 for one in (left, right, lips)]
-    return _ratios(centres, np.ptp(lips, axis=0)[0], np.ptp(left, axis=0)[2])
+    curves = left, _, lips = [rest[face.curves[name]] for name in CURVES]
+    return _ratios(_middles(curves), np.ptp(lips, axis=0)[0], np.ptp(left, axis=0)[2])
 
 
 def _ratios(centres, mouth, eye):

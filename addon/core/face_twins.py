@@ -4,6 +4,8 @@ import itertools
 
 import numpy as np
 
+from . import sides
+
 SAME = 1e-4  # of the head's diagonal: a vertex is so near to the mirror image of its twin
 UNUSUAL = 0.001  # of the vertices may have none, and stay as they are
 
@@ -33,16 +35,8 @@ def twins(vertices):
     return found
 
 
-def counterpart(name):
-    """The key of the other side; of both sides, itself."""
-    for side, other in (("Left", "Right"), ("Right", "Left")):
-        if name.endswith(side):
-            return name.removesuffix(side) + other
-    return {"_L": name[:-2] + "_R", "_R": name[:-2] + "_L"}.get(name[-2:], name)
-
-
 def alike(names, offsets, twins):
     """``offsets`` (k, n, 3) of keys by name, each the mean of it and the mirror image of its counterpart."""
     place = {name: number for number, name in enumerate(names)}
-    other = [place.get(counterpart(name), number) for number, name in enumerate(names)]
+    other = [place.get(sides.swapped(name), number) for number, name in enumerate(names)]
     return (offsets + offsets[other][:, twins] * [-1, 1, 1]) / 2
