@@ -40,7 +40,5 @@ def run(arguments):
         outputs.save(arguments.out)
     if arguments.report:
         write_json(arguments.report, asdict(done))
-    for warning in done.warnings:
-        print(f"Warning: {warning}")
-    print(done.summary)
+    outputs.say(done)
     return DONE
