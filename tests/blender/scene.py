@@ -98,7 +98,9 @@ def select(obj, vertices, mode="OBJECT"):
 
 def points(key):
     """(n, 3) of a shape key or of a mesh's vertices."""
-    return np.array([point.co for point in key])
+    positions = np.empty(3 * len(key), dtype=np.float32)
+    key.foreach_get("co", positions)
+    return positions.reshape(-1, 3).astype(float)
 
 
 def key_points(obj, name):
@@ -118,8 +120,7 @@ def add_key(obj, name, positions, **settings):
         obj.shape_key_add(name="Basis", from_mix=False)
     key = obj.shape_key_add(name=name, from_mix=False)
     key.value = 0.0
-    for row, position in zip(key.data, positions, strict=True):
-        row.co = position
+    key.data.foreach_set("co", np.float32(positions).ravel())
     for setting, value in settings.items():
         setattr(key, setting, value)
     return key

@@ -62,6 +62,7 @@ def test_the_point_under_the_mouse_is_shown_there(modifier):
         source.modifiers.new("M", modifier)
     bpy.context.view_layer.update()
     shown = view((1, -9, 4), source.location)
+    polygons = [set(face.vertices) for face in source.data.polygons]
     found = inside = 0
     for mouse in np.random.default_rng(0).uniform(330, 470, size=(150, 2)):
         try:
@@ -77,7 +78,6 @@ def test_the_point_under_the_mouse_is_shown_there(modifier):
         place = world(source, point)
         away = np.linalg.norm(np.cross(place - origin, way))
         assert away < 2e-3, "on the ray"
-        polygons = [set(face.vertices) for face in source.data.polygons]
         assert any(set(point.corners) <= face for face in polygons)
         found += 1
     assert found > 40 and inside < 8, (found, inside)
