@@ -51,19 +51,22 @@ def polygons_of_triangles(mesh):
 
 def corners(mesh):
     """(c,) int32: the vertex of every corner of every face."""
+    return _of_corners(mesh, ".corner_vert", "vertex_index")
+
+
+def _of_corners(mesh, attribute, own):
     flat = np.empty(len(mesh.loops), dtype=np.int32)
-    attribute = mesh.attributes.get(".corner_vert")
-    if attribute is not None:  # a plain copy, 50 times as fast as the loops' own property
-        attribute.data.foreach_get("value", flat)
+    found = mesh.attributes.get(attribute)
+    if found is not None:  # a plain copy, 50 times as fast as the loops' own property
+        found.data.foreach_get("value", flat)
     else:  # in edit mode
-        mesh.loops.foreach_get("vertex_index", flat)
+        mesh.loops.foreach_get(own, flat)
     return flat
 
 
 def rims(mesh):
     """(r, 2) vertices of the edges that one face has, and (r,) these faces."""
-    edges = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.loops.foreach_get("edge_index", edges)
+    edges = _of_corners(mesh, ".corner_edge", "edge_index")
     totals = np.empty(len(mesh.polygons), dtype=np.int32)
     mesh.polygons.foreach_get("loop_total", totals)
     rim = np.bincount(edges, minlength=len(mesh.edges))[edges] == 1
