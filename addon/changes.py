@@ -13,5 +13,6 @@ class Change(list):
 pose_options = Change()  # of a bound mesh object: how it is to be posed
 handle_turn = Change()  # of a bound mesh object: whether a handle turns by itself
 arc_choice = Change()  # of a mesh object: ends and options of the arc that is being chosen
+arc_preview = Change()  # where on that arc one looks
 quality_row = Change()  # of a scene: the active row of the table of transferred keys
 learned_row = Change()  # of a scene: the active row of the list of what would be learned

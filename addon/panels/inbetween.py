@@ -101,8 +101,11 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
                 column.prop(settings, name)
         layout.prop(settings, "ghost", icon="GHOST_ENABLED" if settings.ghost else "GHOST_DISABLED")
         shadow = ghost.of(obj)
-        if settings.ghost and shadow is not None and shadow.message:
-            draw_lines(layout, "INFO", shadow.message)
+        if settings.ghost and shadow is not None:
+            if shadow.message:
+                draw_lines(layout, "INFO", shadow.message)
+            else:
+                layout.prop(settings, "preview", slider=True)
         row = layout.row()
         row.scale_y = 1.4
         if settings.several:

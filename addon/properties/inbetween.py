@@ -177,10 +177,23 @@ class LissomInbetween(_GhostedPathSettings, ArcSettings, bpy.types.PropertyGroup
     )
     ghost: BoolProperty(
         name="Ghost",
-        description="Draw a few steps of the arc over the mesh while its ends and options are being chosen",
+        description="Draw outlines of the arc and trails of what moves over the mesh, while its ends and "
+        "options are being chosen",
         default=False,
         options=set(),
         update=_changed,
+    )
+    preview: FloatProperty(
+        name="Preview At",
+        description="Show the shape that the slider will have here, over the mesh: no key is touched, and "
+        "nothing stays when Ghost is turned off",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        precision=3,
+        subtype="FACTOR",
+        options=set(),
+        update=lambda settings, context: changes.arc_preview.tell(),
     )
     arcs: CollectionProperty(type=LissomArc)
     exported: BoolProperty(options={"HIDDEN"}, description="Keyframes stand in for the drivers of the arcs")
