@@ -1,10 +1,10 @@
-"""Preferences of the extension: how marks and ghosts look, and the key of the pie menu."""
+"""Preferences of the extension: marks and ghosts, whether views jump, and the key of the pie menu."""
 
 from typing import NamedTuple
 
 import bpy
 import rna_keymap_ui
-from bpy.props import FloatProperty, FloatVectorProperty
+from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty
 
 from .bridge.screen import redraw_views
 
@@ -29,6 +29,12 @@ def look():
         return Look()
     chosen = (getattr(addon.preferences, name) for name in Look._fields)
     return Look(*(value if isinstance(value, float) else tuple(value) for value in chosen))
+
+
+def jumps():
+    """Whether views jump to where the next landmark is to be expected."""
+    addon = bpy.context.preferences.addons.get(ADDON)
+    return addon is None or addon.preferences is None or addon.preferences.jump
 
 
 def _redraw(_, __):
@@ -71,10 +77,17 @@ class LissomPreferences(bpy.types.AddonPreferences):
         "Ghost Opacity", "ghost_opacity", "How much a ghost hides of what is behind it", 0.05, 1.0
     )
 
+    jump: BoolProperty(
+        name="Views Jump to Landmarks",
+        description="While a set of landmarks is picked, the view shows where the next is to be expected, "
+        "as soon as two are marked",
+        default=True,
+    )
+
     def draw(self, context):
         column = self.layout.column()
         column.use_property_split = True
-        for name in Look._fields:
+        for name in (*Look._fields, "jump"):
             column.prop(self, name)
         configuration = context.window_manager.keyconfigs.user
         keymap = configuration.keymaps.get("3D View") if configuration else None

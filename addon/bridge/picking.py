@@ -22,6 +22,7 @@ OTHER_SHAPE = 0.1  # of an object's size: modifiers that make other vertices mov
 class Pane(NamedTuple):
     """A region of a 3D view under the mouse, and where in it."""
 
+    area: bpy.types.Area
     region: bpy.types.Region
     space: bpy.types.SpaceView3D
     spot: tuple[int, int]
@@ -47,7 +48,7 @@ def pane_under(window, x, y):
         ]
         if area.type == "VIEW_3D" and inside and all(region.type == "WINDOW" for region in inside):
             region = inside[0]
-            return Pane(region, area.spaces.active, (x - region.x, y - region.y))
+            return Pane(area, region, area.spaces.active, (x - region.x, y - region.y))
     return None
 
 
@@ -112,6 +113,11 @@ class Stage:
         """As ``point_at``, of rims alone."""
         return self._rim_at(mouse, scale, exact, self._under(mouse)[1], None)
 
+    def ring_at(self, mouse, scale, exact=False):
+        """(x, y) of the mark or the rim that a click would take, or None; ``exact`` takes no mark."""
+        found = (None if exact else self.mark_at(mouse, scale)) or self.rim_at(mouse, scale, exact)
+        return found and found[-1]
+
     def _under(self, mouse):
         """What is Seen under the mouse, and the side whose outside it is, or None."""
         (origin,), (direction,) = self._view.rays([mouse])
@@ -140,13 +146,11 @@ class Stage:
         return self._ends[mark.side].matrix_world @ self._mean(mark, "co")
 
     def _mean(self, mark, what):
-        vertices = self._meshes[mark.side].vertices
-        parts = zip(mark.point.corners, mark.point.weights, strict=True)
-        return sum((weight * getattr(vertices[corner], what) for corner, weight in parts), Vector((0, 0, 0)))
+        return mean_of(self._meshes[mark.side], mark.point, what)
 
     def _hidden(self, mark, behind=True):
         obj, place = self._ends[mark.side], self._place(mark)
-        normal = _of_normals(obj) @ self._mean(mark, "normal")
+        normal = of_normals(obj) @ self._mean(mark, "normal")
         if self._facing(place, normal) < 0:
             return True
         return behind and self._sight.hides(self._view, place, obj.dimensions.length)
@@ -169,7 +173,7 @@ class Stage:
                 continue
             matrix = np.array(obj.matrix_world, dtype=np.float64)
             ends = positions(mesh.vertices)[edges] @ matrix[:3, :3].T + matrix[:3, 3]
-            outward = _of_normals(obj)
+            outward = of_normals(obj)
             for edge, share in near_edges(self._view, ends, mouse, reach):
                 place = Vector((1 - share) * ends[edge, 0] + share * ends[edge, 1])
                 facing = self._facing(place, outward @ mesh.polygons[int(faces[edge])].normal)
@@ -213,6 +217,12 @@ def ui_scale():
     return bpy.context.preferences.system.ui_scale
 
 
-def _of_normals(obj):
+def mean_of(mesh, point, what):
+    """The mean of what a mesh's vertices have, "co" or "normal", at a core.surface.Point."""
+    parts = zip(point.corners, point.weights, strict=True)
+    return sum((weight * getattr(mesh.vertices[corner], what) for corner, weight in parts), Vector((0, 0, 0)))
+
+
+def of_normals(obj):
     """The matrix that takes an object's normals to the world."""
     return obj.matrix_world.inverted_safe().to_3x3().transposed()

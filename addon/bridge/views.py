@@ -139,6 +139,11 @@ def look_at(area, corners, towards=None):
     data.view_distance *= factor
 
 
+def direction(area):
+    """(3,): the way that a view looks."""
+    return -np.array(area.spaces.active.region_3d.view_rotation.to_matrix())[:, 2]
+
+
 class Linked:
     """Two views that look at two things alike: as one is turned, moved or zoomed, so is the other."""
 
@@ -150,9 +155,9 @@ class Linked:
     def follow(self):
         """Has the view follow that was not touched since the last time; at first the second one."""
         now = self._states()
-        if len(now) < 2 or all(map(_same, now, self._last)):
+        if len(now) < 2 or all(map(same, now, self._last)):
             return
-        leader = 1 if _same(now[0], self._last[0]) else 0
+        leader = 1 if same(now[0], self._last[0]) else 0
         view = of_address(self._addresses[1 - leader])[1].spaces.active.region_3d
         home, other = self._home[leader], self._home[1 - leader]
         way, turn, location, distance = now[leader]
@@ -167,7 +172,8 @@ class Linked:
         return list(looks(self._addresses).values())
 
 
-def _same(one, other):
+def same(one, other):
+    """Whether two of the ``looks`` of a view are the same, but for rounding."""
     parts = ((np.array(a), np.array(b)) for a, b in zip(one[1:], other[1:], strict=True))
     return one[0] == other[0] and all(np.allclose(a, b, rtol=1e-5, atol=1e-6) for a, b in parts)
 

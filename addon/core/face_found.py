@@ -97,7 +97,7 @@ def locate_steps(face, head, marks=None):
     else:
         marks, by = _in_openings(marks, middles(face), found), "MARKS"
     at = Frame.of(marks.source, marks.target)
-    where = at.size * middles(face) @ at.turn.T + at.shift
+    where = at.there(middles(face))
     rims = face_rims.near(found, where)
     names = [np.linalg.norm(face.neutral - point, axis=1).argmin() for point in marks.source]
     options = {

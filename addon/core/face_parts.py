@@ -33,6 +33,10 @@ class Frame(NamedTuple):
         size = float((((rest - centre) @ turn.T) * (fitted - fitted.mean(axis=0))).sum() / spread)
         return cls(turn, size, fitted.mean(axis=0) - size * turn @ centre)
 
+    def there(self, points):
+        """(n, 3) of the face on the head."""
+        return self.size * points @ self.turn.T + self.shift
+
     def back(self, points):
         """(n, 3) of the head in the face's frame."""
         return (points - self.shift) @ self.turn / self.size

@@ -2,11 +2,12 @@
 
 import bpy
 
-from .. import session
+from .. import preferences, session
 from ..bridge import picking
 from ..bridge.screen import redraw_sidebars, redraw_views
 from ..core.refused import Refused
 from ..jobs import pick
+from ..jobs.jump import Jumps
 from ..translations import translated
 from .job import allowed, answering
 
@@ -44,6 +45,7 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
         for warning in pick.begin(context):
             self.report({"WARNING"}, translated(warning))
         self._drag, self._said, self._picks = None, None, pick.Picks(_push)
+        self._jumps, self._area = Jumps(), context.area and context.area.as_pointer()
         self._picks.ask(context.scene)
         self._say(context)
         context.window_manager.modal_handler_add(self)
@@ -73,6 +75,7 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
 
     def _stop(self, context):
         session.picking = None
+        self._jumps.back()
         context.workspace.status_text_set(None)
         redraw_views()
         redraw_sidebars()
@@ -91,11 +94,13 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
         if event.type == "MOUSEMOVE":
             self._picks.ask(context.scene)
             self._say(context)
-        pressed = event.value in {"PRESS", "DOUBLE_CLICK"}
         looks = event.type in {"MOUSEMOVE", "LEFT_CTRL", "RIGHT_CTRL"}
-        if self._drag is None and not (looks or (event.type in {"LEFTMOUSE", "RIGHTMOUSE"} and pressed)):
+        takes = event.type in {"LEFTMOUSE", "RIGHTMOUSE"} and event.value in {"PRESS", "DOUBLE_CLICK"}
+        if self._drag is None and not (looks or takes):
             return {"PASS_THROUGH"}
         pane = picking.pane_under(context.window, event.mouse_x, event.mouse_y)
+        if pane is not None:
+            self._area = pane.area.as_pointer()
         stage = pane and picking.Stage(
             context.scene, context.evaluated_depsgraph_get(), pane.view, pane.space, session.picking
         )
@@ -103,8 +108,7 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
             return self._dragged(context, event, pane, stage)
         if looks:
             self._look(pane, stage, event.ctrl)
-            return {"PASS_THROUGH"}
-        if pane is None:
+        if looks or pane is None:
             return {"PASS_THROUGH"}
         took = self._press(context, event, pane, stage)
         redraw_views()
@@ -118,18 +122,15 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
             self._said = said
             context.workspace.status_text_set(translated(said))
             redraw_views()
+        if preferences.jumps():
+            self._jumps.follow(context, session.picking, session.views, self._area)
 
     def _look(self, pane, stage, ctrl):
         """Puts the ring around the mark or the rim that a click would take."""
-        picked, ring = session.picking, None
-        if pane is not None:
-            scale = picking.ui_scale()
-            mark = None if ctrl else stage.mark_at(pane.spot, scale)
-            rim = None if mark else stage.rim_at(pane.spot, scale, exact=ctrl)
-            found = mark or rim
-            ring = found and (pane.region.as_pointer(), found[-1])
-        if ring != picked.ring:
-            picked.ring = ring
+        spot = stage and stage.ring_at(pane.spot, picking.ui_scale(), ctrl)
+        ring = spot and (pane.region.as_pointer(), spot)
+        if ring != session.picking.ring:
+            session.picking.ring = ring
             redraw_views()
 
     def _press(self, context, event, pane, stage):

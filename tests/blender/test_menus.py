@@ -64,4 +64,4 @@ def test_preferences_have_defaults_where_the_package_is_no_enabled_add_on():
     assert preferences.look() == preferences.Look()
     kind = bpy.types.AddonPreferences.bl_rna_get_subclass_py("LissomPreferences")
     assert kind.bl_idname == preferences.ADDON
-    assert set(kind.__annotations__) == set(preferences.Look._fields)
+    assert set(kind.__annotations__) == {*preferences.Look._fields, "jump"}
