@@ -72,7 +72,7 @@ def posed():
 
 
 def bent():
-    """A tube with an arc baked to a bend, and its ghost on."""
+    """A tube with an arc baked to a bend, and its ghost on, with a shape on the way."""
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=48, y_subdivisions=60, size=1.0)
     tube = bpy.context.object
     around, along, _ = scene.vertices(tube).T
@@ -86,6 +86,7 @@ def bent():
     scene.run(bpy.ops.lissom.inbetween_bake, object=tube.name, end="bent", sampling="TOLERANCE")
     tube.lissom_inbetween.end = "bent"
     tube.lissom_inbetween.ghost = True
+    tube.lissom_inbetween.preview = 0.4
 
 
 def arrange():

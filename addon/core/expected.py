@@ -6,7 +6,7 @@ from .face_parts import Frame
 from .marker_places import diagonal
 
 FEWEST = 2  # landmarks that tell: with the way out at each, there is a place, a turn and a size
-NEAR, LEAST = 0.25, 0.05  # what to look at: so much of what the marks span, but of the mesh at least
+NEAR, LEAST = 0.35, 0.05  # what to look at: so much of what the marks span, but of the mesh at least
 
 
 def expected(wanted, marks, guides):

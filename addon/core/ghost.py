@@ -9,7 +9,7 @@ no lines jump from edge to edge as the eye moves. Open borders belong to it from
 import numpy as np
 
 MOVES = 0.02  # of the longest way: what moves less has no outline
-TRAILS = 24
+TRAILS = 12
 LIGHT = np.array([0.35, -0.70, 0.62])
 
 

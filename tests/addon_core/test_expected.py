@@ -44,5 +44,5 @@ def test_one_mark_tells_nothing_nor_do_two_at_one_place():
 
 
 def test_one_sees_a_part_of_what_is_marked_but_not_too_little():
-    assert reach(np.array([[0, 0, 0], [3, 4, 0]]), 1.0) == 1.25
+    assert reach(np.array([[0, 0, 0], [3, 4, 0]]), 1.0) == 1.75
     assert reach(np.zeros((2, 3)), 1.0) == 0.05
