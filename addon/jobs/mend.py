@@ -82,7 +82,7 @@ def _bare(made):
     pose = made.lissom_pose
     for rows in (pose.handles, pose.company, pose.baked, made.lissom_inbetween.arcs, made.lissom_landmarks):
         rows.clear()
-    for name in ("bound", "preview", "roi", "warnings", "baked_cache", "stands", "stood"):
+    for name in ("bound", "preview", "applied", "roi", "warnings", "baked_cache", "stands", "stood"):
         pose.property_unset(name)
 
 
