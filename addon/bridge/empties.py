@@ -7,6 +7,7 @@ import numpy as np
 from mathutils import Euler, Matrix
 
 from ..core import space, turns
+from . import views
 
 STEP = 0.2  # radians between looks along the way of a channel
 MOST_STEPS = 4096
@@ -24,6 +25,7 @@ def add(obj, name, centre, size):
     empty.show_in_front = True
     for collection in obj.users_collection:
         collection.objects.link(empty)
+    views.show_along(obj, empty)
     empty.lissom_handle_of = obj
     empty.parent = obj
     world = obj.matrix_world

@@ -103,6 +103,21 @@ def selected_vertices(obj):
     return np.flatnonzero(flags)
 
 
+def clicked_vertices(obj):
+    """The selected vertices in the order of the clicks, where Blender remembers it; else one alone."""
+    chosen = selected_vertices(obj).tolist()
+    if obj.mode == "EDIT" and len(chosen) > 1:
+        history = bmesh.from_edit_mesh(obj.data).select_history
+        clicked = [element.index for element in history if isinstance(element, bmesh.types.BMVert)]
+        if sorted(clicked) == chosen:
+            return clicked
+        raise Refused(
+            f"{len(chosen)} vertices of '{obj.name}' are selected, not one by one: "
+            "select one vertex on each mesh, or click the vertices one after the other"
+        )
+    return chosen
+
+
 def selected_edges(obj):
     """(k, 2) vertices of the selected edges, as last seen in edit mode or, where it is in edit mode, now."""
     obj.update_from_editmode()

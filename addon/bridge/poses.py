@@ -49,6 +49,16 @@ def preview(obj):
     return shape_keys.preview(obj, obj.lissom_pose.preview)
 
 
+def to_drive(obj):
+    """The name of the key that a bone is to drive: the last that Apply made, else the active one; or ""."""
+    settings, keys = obj.lissom_pose, obj.data.shape_keys
+    made = keys.key_blocks.get(settings.applied)
+    if made is not None and not shape_keys.is_driven(made):
+        return made.name
+    active = obj.active_shape_key
+    return "" if active in (None, keys.reference_key) or active.name == settings.preview else active.name
+
+
 def left_out(obj):
     """Warnings about what is seen of the object and not in the shape that is posed."""
     said = mirrors.left_out(obj)

@@ -152,6 +152,15 @@ def remove(obj, name):
     obj.active_shape_key_index = max(0, chosen - (place <= chosen))
 
 
+def clear(obj):
+    """Removes all keys of an object, and what holds them."""
+    name = obj.data.shape_keys.name
+    obj.shape_key_clear()
+    left = bpy.data.shape_keys.get(name)
+    if left is not None:  # 5.0 counts those of a copied mesh twice
+        bpy.data.batch_remove([left])
+
+
 def is_driven(key):
     """True where a driver or an animation sets the key's value."""
     keys, path = key.id_data, key.path_from_id("value")

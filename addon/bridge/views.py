@@ -139,6 +139,40 @@ def look_at(area, corners, towards=None):
     data.view_distance *= factor
 
 
+def swap(address, leaving, coming):
+    """Has a view in Local View show one object in the place of another, or of None."""
+    found = of_address(address)
+    space = found and found[1].spaces.active
+    if space and space.local_view is not None:
+        if leaving is not None:
+            leaving.local_view_set(space, False)
+        coming.local_view_set(space, True)
+
+
+def show_along(obj, other):
+    """Has each Local View that shows an object show another one too."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            space = area.spaces.active
+            if area.type == "VIEW_3D" and space.local_view is not None and obj.local_view_get(space):
+                other.local_view_set(space, True)
+
+
+def tool(context):
+    """The name of the tool of 3D views in Object Mode, or None."""
+    found = context.workspace.tools.from_space_view3d_mode("OBJECT", create=False)
+    return found and found.idname
+
+
+def take_tool(context, address, name):
+    """Chooses the tool of the view at an address in Object Mode; nothing without a view or a name."""
+    found = of_address(address)
+    if found and name:
+        window, area = found
+        with context.temp_override(window=window, area=area, region=region_of(area)):
+            bpy.ops.wm.tool_set_by_id(name=name)
+
+
 def direction(area):
     """(3,): the way that a view looks."""
     return -np.array(area.spaces.active.region_3d.view_rotation.to_matrix())[:, 2]

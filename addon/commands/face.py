@@ -1,6 +1,5 @@
 """``blender --command lissom face``: gives a head the shape keys of a whole face, as Face Keys does."""
 
-import pathlib
 import time
 from dataclasses import asdict
 
@@ -45,7 +44,7 @@ def run(arguments):
     outputs.check(arguments, ("file", "landmarks"), ("out", "report"))
     if not 0 <= arguments.strength <= 10:
         raise Refused("--strength: choose a number from 0 to 10")
-    bpy.ops.wm.open_mainfile(filepath=str(pathlib.Path(arguments.file).resolve()), load_ui=False)
+    outputs.open_file(arguments.file)
     asked = FaceAsked(
         target=arguments.target,
         parts="\n".join(arguments.parts),

@@ -1,7 +1,5 @@
 """``blender --command lissom image``: a flat mesh of an image, or a second image at the end of its arc."""
 
-import pathlib
-
 import bpy
 
 from ..core.image import LABELS
@@ -33,10 +31,10 @@ def run(arguments):
     """Reads, makes, writes; returns the exit code."""
     _check(arguments)
     if arguments.file:
-        bpy.ops.wm.open_mainfile(filepath=str(pathlib.Path(arguments.file).resolve()), load_ui=False)
+        outputs.open_file(arguments.file)
     else:
         bpy.ops.wm.read_factory_settings(use_empty=True)
-    image = str(pathlib.Path(arguments.image or arguments.second).resolve())
+    image = outputs.absolute(arguments.image or arguments.second)
     if arguments.image:
         asked = {name: getattr(arguments, name) for name in LABELS}
         job = ImageMesh(bpy.context, ImageAsked(filepath=image, height=arguments.height, **asked))

@@ -1,6 +1,5 @@
 """``blender --command lissom inbetween``: bakes arcs in a file, as the panel does."""
 
-import pathlib
 import time
 
 import bpy
@@ -47,8 +46,8 @@ def configure(parser):
 def run(arguments):
     """Reads, bakes, writes; returns the exit code."""
     try:
-        source = _checked(arguments)
-        bpy.ops.wm.open_mainfile(filepath=str(source), load_ui=False)
+        _check(arguments)
+        source = outputs.open_file(arguments.file)
         obj = arc_object(bpy.context, arguments.object)
     except (Refused, RuntimeError) as error:
         return _failed(str(error))
@@ -61,7 +60,7 @@ def run(arguments):
                 names = [entry["slider"] for entry in done]
                 draw_sheet(obj, names, arguments.sheet, arguments.steps, arguments.turn)
         if arguments.report:
-            report = {"file": str(source), "object": obj.name, "arcs": baked}
+            report = {"file": source, "object": obj.name, "arcs": baked}
             write_json(arguments.report, report)
     except (Refused, RuntimeError, OSError) as error:
         _failed(str(error))
@@ -71,7 +70,7 @@ def run(arguments):
     return PARTLY_DONE if done else BAD_INPUT
 
 
-def _checked(arguments):
+def _check(arguments):
     outputs.check(arguments, ("file",), ("out", "sheet", "report"))
     if arguments.sheet:
         image_format(arguments.sheet)
@@ -83,7 +82,6 @@ def _checked(arguments):
         raise Refused("--refinement: choose 0 to 1000 rounds")
     if arguments.tolerance is not None and not 0 < arguments.tolerance < float("inf"):
         raise Refused("--tolerance: choose a distance above 0")
-    return pathlib.Path(arguments.file).resolve()
 
 
 def _bake(obj, end, arguments):

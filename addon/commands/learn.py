@@ -1,6 +1,5 @@
 """``blender --command lissom learn``: keys that were corrected by hand teach the others."""
 
-import pathlib
 from dataclasses import asdict
 
 import bpy
@@ -32,7 +31,7 @@ def run(arguments):
     outputs.check(arguments, ("file",), ("out", "report"))
     if not 0 <= arguments.strength <= STRONGEST:
         raise Refused(f"--strength: choose a number from 0 to {STRONGEST}")
-    bpy.ops.wm.open_mainfile(filepath=str(pathlib.Path(arguments.file).resolve()), load_ui=False)
+    outputs.open_file(arguments.file)
     asked = LearnAsked(object=arguments.target, right="\n".join(arguments.right), strength=arguments.strength)
     job = Learn(bpy.context, asked)
     done = job.write(bpy.context, job.work.wait())

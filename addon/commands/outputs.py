@@ -33,6 +33,18 @@ def check(arguments, reads, writes):
                 raise Refused(f"{_flag(name)}: '{path}' is the file of {_flag(other)}: choose another")
 
 
+def absolute(path):
+    """The path that Blender and reports are given."""
+    return str(pathlib.Path(path).resolve())
+
+
+def open_file(path):
+    """Opens the .blend file that a command works on, and returns its path."""
+    path = absolute(path)
+    bpy.ops.wm.open_mainfile(filepath=path, load_ui=False)
+    return path
+
+
 def save(path):
     """Saves a copy of the scene: a link stays a link, and a file keeps its rights."""
     place = pathlib.Path(path).resolve()

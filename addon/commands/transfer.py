@@ -1,6 +1,5 @@
 """``blender --command lissom transfer``: carries shape keys between objects of files, as the panel does."""
 
-import pathlib
 import time
 from dataclasses import asdict
 
@@ -68,7 +67,7 @@ def run(arguments):
     """Reads, transfers, writes; returns the exit code."""
     started = time.perf_counter()
     _check(arguments)
-    bpy.ops.wm.open_mainfile(filepath=_absolute(arguments.file), load_ui=False)
+    outputs.open_file(arguments.file)
     arguments.target = list(dict.fromkeys(arguments.target))
     targets = mesh_objects(bpy.context, arguments.target)
     brought = Brought(bpy.context, arguments.source, _source_file(arguments))
@@ -95,7 +94,7 @@ def _common(arguments, sources):
     return {
         "source": "\n".join(source.name for source in sources),
         "target": "\n".join(arguments.target),
-        "filepath": _absolute(arguments.markers) if arguments.markers else "",
+        "filepath": outputs.absolute(arguments.markers) if arguments.markers else "",
         "unmatched": arguments.loose_parts,
         "scale": arguments.scale,
         "contact": arguments.contact,
@@ -145,7 +144,7 @@ def _transfer_frames(arguments, sources, common):
     frames = bake.frames(start, end, step, keys=not arguments.cache)
     asked = AnimationAsked(frames=frames, step=step, **common)
     if arguments.cache:
-        asked.cache_path = _absolute(arguments.cache)
+        asked.cache_path = outputs.absolute(arguments.cache)
     else:
         asked.keys = tuple(bake.key_names(asked.name, frames))
     done = _run(TransferAnimation(bpy.context, asked))
@@ -185,12 +184,8 @@ def _check(arguments):
 
 def _source_file(arguments):
     """The path of the source's file, "" where that is the target's."""
-    path = arguments.source_file
-    return "" if not path or _absolute(path) == _absolute(arguments.file) else _absolute(path)
-
-
-def _absolute(path):
-    return str(pathlib.Path(path).resolve())
+    path = outputs.absolute(arguments.source_file) if arguments.source_file else ""
+    return "" if path == outputs.absolute(arguments.file) else path
 
 
 def _are_frames(frames):

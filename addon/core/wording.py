@@ -9,6 +9,8 @@ knows are spoken as well.
 import functools
 import re
 
+ARGUMENT = re.compile(r"([a-z_]+): ")  # how the core's messages begin
+PLACES = "{0} (at {1}; {2} in all)"  # and how those end that are of single vertices
 FIELD = re.compile(r"('?)\{(\d+)\}('?)")
 # Languages without spaces break between any two signs, but not before one that closes.
 _UNIT = re.compile(
@@ -24,7 +26,8 @@ class Catalogue:
         """``table``: {template: the same in the other language}, values as ``{0}``, ``{1}`` and so on."""
         self._exact = {text: said for text, said in table.items() if not FIELD.search(text)}
         made = [text for text in table if FIELD.search(text)]
-        made.sort(key=lambda text: -len(FIELD.sub("", text)))  # the one that says most is tried first
+        # The one that says most is tried first; what stands behind a message is no part of its last value.
+        made.sort(key=lambda text: (text != PLACES, -len(FIELD.sub("", text))))
         self._templates = [(_pattern(text), *_names(text), table[text]) for text in made]
         self.said = functools.lru_cache(maxsize=1024)(self._said)
 
@@ -32,19 +35,33 @@ class Catalogue:
         """A message in the other language; what is not known stays as it is."""
         if not text or text in self._exact:
             return self._exact.get(text, text)
-        for pattern, numbers, names, said in self._templates:
-            found = pattern.fullmatch(text)
-            if found:
-                values = [
-                    value if name else self.said(value)
-                    for value, name in zip(found.groups(), names, strict=True)
-                ]
-                return _filled(said, dict(zip(numbers, values, strict=True)))
+        place, found = self._match(text)
+        argument = ARGUMENT.match(text)
+        if argument and self._says_more(text[argument.end() :], place):
+            return f"{self.said(argument[1])}: {self.said(text[argument.end() :])}"
+        if found:
+            _, numbers, names, said = self._templates[place]
+            values = [
+                value if name else self.said(value) for value, name in zip(found.groups(), names, strict=True)
+            ]
+            return _filled(said, dict(zip(numbers, values, strict=True)))
         for mark in (". ", "; ", ": "):  # sentences, and warnings that begin with what they are about
             head, found, rest = text.partition(mark)
             if found and head and rest:
                 return f"{self.said(head)}{mark}{self.said(rest)}"
         return text
+
+    def _match(self, text):
+        """The place of the template that a message was made of, and its match: behind all, None."""
+        for place, (pattern, *_) in enumerate(self._templates):
+            found = pattern.fullmatch(text)
+            if found:
+                return place, found
+        return len(self._templates), None
+
+    def _says_more(self, text, place):
+        """Whether a message is known by more than the template at this place."""
+        return text in self._exact or self._match(text)[0] < place
 
 
 def _pattern(template):

@@ -192,6 +192,7 @@ class Apply(Solve):
             if name and key not in (preview, other.data.shape_keys.reference_key):
                 shape_keys.write(other, name, shape, shape_keys.Settings(value=asked.value))
                 written[other.name] = name
+        obj.lissom_pose.applied = self._name
         if asked.reset:
             bound.reset(obj)
         else:
@@ -228,7 +229,7 @@ def release(obj):
     poses.drop_foreign_handles(obj)
     settings.bound = False
     poses.remove_preview(obj)
-    settings.property_unset("preview")
-    settings.property_unset("warnings")
+    for name in ("preview", "applied", "warnings"):
+        settings.property_unset(name)
     baked.mute(obj, False)
     bound.forget(obj)

@@ -10,6 +10,7 @@ from .. import session
 from ..bridge import checks, shape_keys
 from ..core.quality import badness
 from ..core.refused import Refused
+from .mend import ByHandles
 
 
 class Review:
@@ -29,6 +30,7 @@ class Review:
         self._selected = [obj.name for obj in context.selected_objects]
         self._row = settings.active_quality
         self._muted = []  # (object, key) that are not as long as they are shown
+        self._handles = None  # ByHandles while a key is mended by them
         self.key, self.on = "", True
         rows = order(settings)
         if not rows:
@@ -80,11 +82,16 @@ class Review:
 
     @property
     def mending(self):
-        """The object of the target that is in another mode than Object Mode, or None."""
-        return next((obj for obj in self._objects(1) if obj.mode != "OBJECT"), None)
+        """The object that a key is mended on: of the target in Sculpt Mode, or one to pose; or None."""
+        posed = self._handles and self._handles.find()
+        return posed or next((obj for obj in self._objects(1) if obj.mode != "OBJECT"), None)
 
-    def mend(self, context):
-        """Opens the shown key on the target for sculpting."""
+    def mend(self, context, by="SCULPT", view=None):
+        """Opens the shown key on the target, ``by`` "SCULPT" or "HANDLES".
+
+        ``view`` is the address of the 3D view that shows the target alone, or None.
+        """
+        self.rest(context)
         self.on = True
         self.show(context.scene.lissom_transfer)
         found = [
@@ -96,7 +103,11 @@ class Review:
             raise Refused(f"The target has no shape key named '{self.key}' any more")
         obj = found[0]
         checks.require_writable(obj)
-        checks.require_unlocked([shape_keys.find(obj, self.key)])
+        key = shape_keys.find(obj, self.key)
+        checks.require_unlocked([key])
+        if by == "HANDLES":
+            self._handles = ByHandles(context, obj, key, view)
+            return
         for other in context.selected_objects:
             other.select_set(False)
         obj.select_set(True)
@@ -105,6 +116,9 @@ class Review:
 
     def rest(self, context):
         """Back from mending a key to looking at it."""
+        handles, self._handles = self._handles, None
+        if handles is not None:
+            handles.keep(context)
         obj = self.mending
         if obj is not None:
             context.view_layer.objects.active = obj
@@ -114,8 +128,11 @@ class Review:
     def lift(self):
         """Takes pins and mutes off, until ``show`` is called again.
 
-        What is being sculpted stays the active key: the strokes are written to that one.
+        What is being sculpted stays the active key: the strokes are written to that one. What is posed by
+        handles is done: there is no other place for it than the key.
         """
+        if self._handles is not None:
+            self.rest(bpy.context)
         self._mute()
         for name, (place, only) in self._shown.items():
             obj = bpy.data.objects.get(name)
@@ -126,7 +143,12 @@ class Review:
 
     def leave(self, context):
         """Gives everything back as it was before, but for what was mended."""
-        self.rest(context)
+        try:
+            self.rest(context)
+        finally:
+            self._give_back(context)
+
+    def _give_back(self, context):
         self.lift()
         settings, layer = context.scene.lissom_transfer, context.view_layer
         settings.active_quality = self._row

@@ -162,7 +162,7 @@ class JobRunner(JobOperator):
     def finish(self, context, found):
         done = self._job.write(context, found)
         if self.keeps:
-            getattr(context.scene, self.keeps).warnings = "\n".join(done.kept)
+            getattr(context.scene, self.keeps).keep(done.kept)
         report_done(self, done)
         self.after(context, done)
 

@@ -2,8 +2,6 @@
 
 from bpy.props import StringProperty
 
-from ..bridge import checks
-from ..core.refused import Refused
 from .job import writable_mesh
 
 OBJECT = {
@@ -31,13 +29,3 @@ class BoundObject:
     @classmethod
     def poll(cls, context):
         return writable_mesh(cls, context, bound=True)
-
-
-def unbound_object(name, context):
-    """The mesh object of that name, or the active one; Refused where it is bound or not to be written to."""
-    obj = checks.mesh_object(name, context)
-    if obj.mode != "EDIT":
-        checks.require_writable(obj)
-    if obj.lissom_pose.bound:
-        raise Refused(f"'{obj.name}' is bound: press Unbind first, then change its handles")
-    return obj

@@ -3,10 +3,9 @@
 import bpy
 from bpy.props import IntProperty, StringProperty
 
-from ..bridge import company
-from ..core.refused import Refused
+from ..jobs import handles
 from .job import answering, writable_mesh
-from .objects import OBJECT, unbound_object
+from .objects import OBJECT
 
 
 class LISSOM_OT_pose_company(bpy.types.Operator):
@@ -31,18 +30,10 @@ class LISSOM_OT_pose_company(bpy.types.Operator):
 
     @answering
     def execute(self, context):
-        obj = unbound_object(self.object, context)
-        rows = obj.lissom_pose.company
-        if self.remove >= len(rows):
-            raise Refused(f"There is no further object {self.remove}: there are {len(rows)}")
         if self.remove >= 0:
-            rows.remove(self.remove)
-            return
-        others = [other for other in context.selected_objects if other.type == "MESH" and other != obj]
-        if not others:
-            raise Refused(f"Select the mesh objects that go along with '{obj.name}', then press again")
-        for other in others:
-            company.add(obj, other)
+            handles.leave_behind(context, self.object, self.remove)
+        else:
+            handles.take_along(context, self.object)
 
 
 classes = (LISSOM_OT_pose_company,)

@@ -3,10 +3,8 @@
 import bpy
 from bpy.props import EnumProperty, StringProperty
 
-from ..bridge import bones, checks, shape_keys
-from ..core.refused import Refused
-from ..translations import translated
-from .job import answering, writable_mesh
+from ..jobs.drive import DriveAsked, drive
+from .job import answering, report_done, writable_mesh
 from .objects import OBJECT
 
 
@@ -46,23 +44,9 @@ class LISSOM_OT_pose_drive(bpy.types.Operator):
 
     @answering
     def execute(self, context):
-        obj = checks.mesh_object(self.object, context)
-        checks.require_writable(obj)
-        key = shape_keys.find(obj, self.key) if self.key else obj.active_shape_key
-        if key is None or key == key.id_data.reference_key:
-            raise Refused(f"Choose a shape key of '{obj.name}' other than the Basis first")
-        shape_keys.refuse_preview(key)
-        found = bones.likely(obj)
-        rig = bpy.data.objects.get(self.armature) if self.armature else found and found[0]
-        name = self.bone or (found[1] if found else "")
-        if rig is None:
-            raise Refused(f"No armature moves '{obj.name}': name an armature and a bone")
-        bone = bones.bone_of(rig, name)
-        bones.drive(key, rig, bone, self.motion)
-        self.armature, self.bone, self.key = rig.name, bone.name, key.name
-        self.report(
-            {"INFO"}, translated(f"'{key.name}' follows the {self.motion.lower()} of bone '{bone.name}'")
-        )
+        done = drive(context, DriveAsked.of(self))
+        self.armature, self.bone, self.key = done.armature, done.bone, done.key
+        report_done(self, done)
 
 
 classes = (LISSOM_OT_pose_drive,)

@@ -1,16 +1,12 @@
 """The handles and the region of a pose."""
 
 import bpy
-import numpy as np
 from bpy.props import StringProperty
-from mathutils import Vector
 
-from ..bridge import checks, empties, groups, standing
-from ..bridge import handles as bridge_handles
-from ..core import space
-from ..core.refused import Refused
+from ..bridge import groups
+from ..jobs import handles
 from .job import allowed, answering, shown_object, writable_mesh
-from .objects import OBJECT, unbound_object
+from .objects import OBJECT
 
 
 class _UnboundObject:
@@ -42,30 +38,7 @@ class LISSOM_OT_pose_handle_add(_UnboundObject, bpy.types.Operator):
 
     @answering
     def execute(self, context):
-        obj = unbound_object(self.object, context)
-        space.linear_part(obj.matrix_world, obj.name)
-        name = self.vertex_group or groups.from_selection(obj, "Handle")
-        handles = obj.lissom_pose.handles
-        if name in handles:
-            raise Refused(f"'{name}' is a handle already")
-        members = groups.members(obj, [name])
-        if name not in members:
-            raise Refused(f"'{obj.name}' has no vertex group named '{name}'")
-        if not len(members[name]):
-            raise Refused(f"Vertex group '{name}' holds no vertices: assign some, then add it")
-        rest = standing.shown(obj)
-        extent = np.ptp(space.into(np.array(obj.matrix_world)[:3, :3], rest), axis=0)
-        empty = empties.add(
-            obj,
-            f"{obj.name} {name}",
-            Vector(rest[members[name]].mean(axis=0)),
-            0.04 * float(np.linalg.norm(extent)) or 1.0,
-        )
-        handle = handles.add()
-        handle.name = name
-        handle.empty = empty
-        obj.lissom_pose.active_handle = len(handles) - 1
-        obj.lissom_pose.property_unset("reach")
+        handles.add(context, self.object, self.vertex_group)
 
 
 class LISSOM_OT_pose_handle_remove(_UnboundObject, bpy.types.Operator):
@@ -81,19 +54,7 @@ class LISSOM_OT_pose_handle_remove(_UnboundObject, bpy.types.Operator):
 
     @answering
     def execute(self, context):
-        obj = unbound_object(self.object, context)
-        settings = obj.lissom_pose
-        index = settings.handles.find(self.handle) if self.handle else settings.active_handle
-        if not 0 <= index < len(settings.handles):
-            raise Refused(
-                f"'{obj.name}' has no handle '{self.handle}'" if self.handle else "Choose a handle first"
-            )
-        empty = settings.handles[index].empty
-        if empty is not None and empty.lissom_handle_of == obj:
-            bpy.data.objects.remove(empty)
-        settings.handles.remove(index)
-        settings.active_handle = max(0, min(settings.active_handle, len(settings.handles) - 1))
-        settings.property_unset("reach")
+        handles.remove(context, self.object, self.handle)
 
 
 class LISSOM_OT_pose_handle_select(bpy.types.Operator):
@@ -108,13 +69,7 @@ class LISSOM_OT_pose_handle_select(bpy.types.Operator):
 
     @answering
     def execute(self, context):
-        obj = checks.mesh_object(self.object, context)
-        handle = obj.lissom_pose.handles.get(self.handle)
-        if handle is None or not empties.is_alive(handle.empty):
-            raise Refused(f"Handle '{self.handle}' has no Empty: remove the handle and add it again")
-        if context.mode != "OBJECT":
-            raise Refused("Go to Object Mode first")
-        bridge_handles.select(obj, handle)
+        handles.select(context, self.object, self.handle)
 
 
 class LISSOM_OT_pose_region_from_selection(_UnboundObject, bpy.types.Operator):
@@ -128,7 +83,7 @@ class LISSOM_OT_pose_region_from_selection(_UnboundObject, bpy.types.Operator):
 
     @answering
     def execute(self, context):
-        obj = unbound_object(self.object, context)
+        obj = handles.unbound(context, self.object)
         obj.lissom_pose.roi = groups.from_selection(obj, self.name)
 
 

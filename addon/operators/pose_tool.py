@@ -7,7 +7,7 @@ from ..bridge import brush, checks
 from ..bridge.screen import redraw_sidebars
 from ..core.refused import Refused
 from ..drawing.shapes import ring
-from ..jobs.pose import Bind, bind_asked
+from ..jobs import touch as touched
 from ..translations import translated
 from .job import answering, require_rest
 
@@ -37,31 +37,14 @@ class LISSOM_OT_pose_touch(bpy.types.Operator):
         obj = checks.active_mesh(context)
         if obj is None:
             raise Refused("Select a mesh object first")
-        checks.require_writable(obj)
-        name = brush.handle_at(context, obj, spot)
-        found = None if name else brush.hit(context, obj, spot)
-        if name is None and found is None:
+        touch = touched.at(context, obj, spot, context.window_manager.lissom_brush, self.pin)
+        if touch is None:
             return {"PASS_THROUGH"}
-        name = name or brush.handle_of(obj, found.vertex)
-        made = name is None
-        if made:
-            kind = "Pin" if self.pin else "Touch"
-            name = brush.add(context, obj, found, context.window_manager.lissom_brush, kind).name
-        settings = obj.lissom_pose
-        if not settings.bound:
-            settings.use_weights = True  # a brush has a soft rim
-            bind = Bind(context, bind_asked(obj))
-            bind.write(context, bind.work.wait())
-        settings.active_handle = settings.handles.find(name)
-        empty = settings.handles[name].empty
-        for other in context.selected_objects:
-            other.select_set(False)
-        empty.select_set(True)
-        self._made = made
+        self._made = touch.made
         if self.pin:
             return self._done(context, "Pin")
-        self._empty, self._before = empty.name, empty.matrix_world.copy()
-        self._place = found.place if found else empty.matrix_world.translation.copy()
+        self._empty, self._place = touch.empty, touch.place
+        self._before = bpy.data.objects[touch.empty].matrix_world.copy()
         self._moved = False
         context.window_manager.modal_handler_add(self)
         context.workspace.status_text_set(

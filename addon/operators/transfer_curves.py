@@ -3,13 +3,9 @@
 import bpy
 from bpy.props import IntProperty, StringProperty
 
-from ..bridge import markers as bridge_markers
-from ..bridge import meshes
-from ..core import markers
-from ..core.curves import ordered
 from ..core.refused import Refused
-from ..translations import translated
-from .job import answering
+from ..jobs import marks
+from .job import answering, report_done
 from .objects import SOURCE, TARGET
 
 
@@ -28,24 +24,7 @@ class LISSOM_OT_curve_add(bpy.types.Operator):
 
     @answering
     def execute(self, context):
-        ends = bridge_markers.pair_of_objects(context, self.source, self.target)
-        paths = [tuple(ordered(meshes.selected_edges(obj).tolist(), obj.name)) for obj in ends]
-        closed = [path[0] == path[-1] for path in paths]
-        if closed[0] != closed[1]:
-            loop, path = ends if closed[0] else ends[::-1]
-            raise Refused(
-                f"The selected edges of '{loop.name}' form a loop, those of '{path.name}' a path with "
-                "two ends: select two of a kind"
-            )
-        pairs, warnings = bridge_markers.current(context.scene, *ends)
-        known = bridge_markers.current_curves(context.scene, *ends)
-        curves = [*known, markers.Curve(self.name or f"Curve {len(known) + 1}", *paths)]
-        markers.check_curves(curves, *(len(obj.data.vertices) for obj in ends))
-        bridge_markers.put(context.scene, pairs, *ends, curves=curves)
-        for warning in warnings:
-            self.report({"WARNING"}, translated(warning))
-        counts = [len(set(path)) for path in paths]
-        self.report({"INFO"}, translated(f"'{curves[-1].name}': {counts[0]} to {counts[1]} vertices"))
+        report_done(self, marks.add_curve(context, (self.source, self.target), self.name))
 
 
 class LISSOM_OT_curve_remove(bpy.types.Operator):

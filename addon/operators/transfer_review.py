@@ -1,11 +1,13 @@
 """Review of transferred keys: both meshes side by side, key after key; jobs.review has the logic."""
 
 import bpy
+from bpy.props import EnumProperty
 
 from .. import session
 from ..bridge import views
 from ..bridge.assembly import both_sides
 from ..bridge.screen import redraw_sidebars
+from ..core.refused import Refused
 from ..jobs.review import Review
 from ..translations import translated
 from .job import allowed, answering
@@ -14,6 +16,7 @@ TICK = 0.1  # seconds: so soon Done is noticed
 LINK = 1 / 60  # seconds: so soon one view follows the other
 HINT = "Up, Down: another key    |    Space: the key on, off    |    Esc: done"
 MENDING = "Mend the key on the target    |    Esc: back to the review"
+POSING = "Drag the mesh: a click makes a handle, Shift pins    |    Esc: back to the review"
 STEPS = {"UP_ARROW": -1, "DOWN_ARROW": 1}
 
 
@@ -84,13 +87,16 @@ class LISSOM_OT_review(bpy.types.Operator):
         review, settings = self._review, context.scene.lissom_transfer
         if session.review is not review:
             return {"FINISHED"}
-        context.workspace.status_text_set(translated(MENDING if review.mending else HINT))
+        context.workspace.status_text_set(translated(self._hint(review)))
         if event.value != "PRESS":
             return {"PASS_THROUGH"}
         if event.type == "ESC":
             if review.mending is None:
                 return {"FINISHED"}
-            review.rest(context)
+            try:
+                review.rest(context)
+            except Refused as error:
+                self.report({"WARNING"}, translated(str(error)))
             bpy.ops.ed.undo_push(message="Fix Key")
             return {"RUNNING_MODAL"}
         if review.mending is not None or not views.under(context.window, event.mouse_x, event.mouse_y):
@@ -103,6 +109,10 @@ class LISSOM_OT_review(bpy.types.Operator):
             return {"PASS_THROUGH"}
         redraw_sidebars()
         return {"RUNNING_MODAL"}
+
+    def _hint(self, review):
+        mending = review.mending
+        return HINT if mending is None else POSING if mending.mode == "OBJECT" else MENDING
 
     def _stop(self, context):
         session.review = None
@@ -135,11 +145,20 @@ def _link(review):
 
 
 class LISSOM_OT_review_mend(bpy.types.Operator):
-    """Open the key on the target for sculpting; press Esc to go back to the review"""
+    """Open the key on the target to be mended; press Esc to go back to the review"""
 
     bl_idname = "lissom.review_mend"
     bl_label = "Fix"
-    bl_options = {"REGISTER"}  # sculpting has undo steps of its own
+    bl_options = {"REGISTER"}  # sculpting and posing have undo steps of their own
+
+    by: EnumProperty(
+        name="By",
+        description="What the key is mended with",
+        items=[
+            ("SCULPT", "Sculpt", "Sculpt the key"),
+            ("HANDLES", "Handles", "Drag the mesh by handles: what is posed goes into the key"),
+        ],
+    )
 
     @classmethod
     def poll(cls, context):
@@ -147,7 +166,7 @@ class LISSOM_OT_review_mend(bpy.types.Operator):
 
     @answering
     def execute(self, context):
-        session.review.mend(context)
+        session.review.mend(context, self.by, session.views and session.views[0])
         bpy.ops.ed.undo_push(message="Fix Key")  # strokes are undone back to here
         redraw_sidebars()
 

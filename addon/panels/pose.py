@@ -196,12 +196,11 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         apply.object, apply.name = obj.name, settings.key_name
         following = row.operator("lissom.pose_apply", text="And Next", icon="NEXT_KEYFRAME")
         following.object, following.name, following.value = obj.name, settings.key_name, 0.0
-        if settings.stood and obj.active_shape_key_index:
-            key = obj.active_shape_key
-            if key.name != settings.preview:
-                said = translated(f"Drive '{key.name}' by Bone")
-                drive = box.operator("lissom.pose_drive", text=said, icon="DRIVER", translate=False)
-                drive.object, drive.key = obj.name, key.name
+        key = poses.to_drive(obj) if settings.stood else ""
+        if key:
+            said = translated(f"Drive '{key}' by Bone")
+            drive = box.operator("lissom.pose_drive", text=said, icon="DRIVER", translate=False)
+            drive.object, drive.key = obj.name, key
         self._draw_bake(layout, obj, settings)
         layout.operator("lissom.pose_unbind", icon="UNLINKED").object = obj.name
 

@@ -64,7 +64,9 @@ def draw_review(layout, settings):
     row = layout.row(align=True)
     row.scale_y = 1.4
     row.operator("lissom.review", text="Done", icon="CHECKMARK", depress=True)
-    row.operator("lissom.review_mend", icon="SCULPTMODE_HLT")
+    row = labelled(layout, "Fix")
+    row.operator("lissom.review_mend", text="Sculpt", icon="SCULPTMODE_HLT").by = "SCULPT"
+    row.operator("lissom.review_mend", text="Handles", icon="EMPTY_AXIS").by = "HANDLES"
     draw_lines(layout, "INFO", "Up and Down: another key. Space: the key on and off. Esc: done")
     _draw_table(layout, settings, 15)
 

@@ -125,7 +125,7 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
             "ATTRIBUTES": self._draw_attributes,
         }
         draw[settings.what](layout, settings)
-        draw_warnings(layout, settings.warnings, "TRANSFER")
+        draw_warnings(layout, settings.told, "TRANSFER")
         if settings.what == "KEYS":
             draw_quality(layout, settings)
             draw_made_keys(layout, settings)

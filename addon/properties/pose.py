@@ -278,6 +278,7 @@ class LissomPose(bpy.types.PropertyGroup):
     bound: BoolProperty(options={"HIDDEN"})
     warnings: StringProperty(name="Warnings", description="What Bind had to say, one a line")
     preview: StringProperty(options={"HIDDEN"}, description="Name of the shape key that shows the pose")
+    applied: StringProperty(options={"HIDDEN"}, description="Name of the shape key that Apply made last")
     made_basis: BoolProperty(options={"HIDDEN"}, description="Bind gave the mesh its first shape key")
     topology: StringProperty(options={"HIDDEN"}, description="Hash of the faces at Bind")
     probes: FloatVectorProperty(

@@ -220,6 +220,8 @@ class LissomTransfer(bpy.types.PropertyGroup):
     colours: colours_property()
     check: check_property()
     warnings: StringProperty(name="Warnings", description="What the last job had to say, one a line")
+    warned_source: PointerProperty(type=bpy.types.Object, description="The source that it was said of")
+    warned_target: PointerProperty(type=bpy.types.Object, description="The target that it was said of")
     quality: CollectionProperty(type=LissomKeyQuality)
     active_quality: IntProperty(name="Shape Key", options=set(), update=_row_chosen)
     quality_order: EnumProperty(
@@ -238,6 +240,17 @@ class LissomTransfer(bpy.types.PropertyGroup):
     learned: CollectionProperty(type=LissomLearned)
     active_learned: IntProperty(name="Key", update=_show_learned)
     learn_strength: learn_strength_property()
+
+    def keep(self, warnings):
+        """Keeps the lines of what a job had to say of source and target, as these are now."""
+        self.warnings = "\n".join(warnings)
+        self.warned_source, self.warned_target = self.source, self.target
+
+    @property
+    def told(self):
+        """The warnings that are kept of source and target; "" while there is another."""
+        same = (self.warned_source, self.warned_target) == (self.source, self.target)
+        return self.warnings if same else ""
 
     def swap(self):
         """Source and target change places, with their further objects, marks, curves and masks."""

@@ -150,3 +150,11 @@ def test_the_architecture_shows_what_imports_what(graph):
     _, _, rest = (ROOT / "docs/layers.md").read_text().partition(BEGIN)
     shown, _, _ = rest.partition(END)
     assert shown.strip() == made, f"docs/layers.md should have\n\n{BEGIN}\n\n{made}\n\n{END}"
+
+
+def test_files_are_opened_in_one_place():
+    files = [*(ROOT / "addon").rglob("*.py")]
+    found = [
+        file.relative_to(ROOT / "addon").as_posix() for file in files if "open_mainfile" in file.read_text()
+    ]
+    assert found == ["commands/outputs.py"], found

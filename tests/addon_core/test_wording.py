@@ -30,6 +30,21 @@ def test_what_is_unknown_stays_and_parts_are_found():
     assert said("") == ""
 
 
+def test_what_the_core_says_of_an_argument_is_known_by_what_says_most():
+    table = {
+        "{0} vertex {1}": "{0}顶点{1}",
+        "vertex out of range, there are {0}": "顶点超出范围，有 {0} 个",
+        "handles": "控制柄",
+        "handles: only {0} of them": "控制柄：只有 {0} 个",
+        "{0} (at {1}; {2} in all)": "{0}（{1}；{2}）",
+    }
+    said = Catalogue(table).said
+    whole = said("handles: vertex out of range, there are 5 (at 9; 1 in all)")
+    assert whole == "控制柄: 顶点超出范围，有 5 个（9；1）"
+    assert said("handles: only 2 of them") == "控制柄：只有 2 个"
+    assert said("no_word: vertex 3") == "no_word:顶点3"
+
+
 def short(count):
     return lambda line: len(line) <= count
 

@@ -18,6 +18,15 @@ NO_TEXT = re.compile(
     r"|_places?\"|^'\{0\}' at |^at the$|^Operator$|^(obj|settings) = "
 )
 PIECES = "core/landmarks.py"  # names that are put together there; they are asked for as wholes
+CORE = ADDON.parent / "rust" / "lissom" / "src"
+# Strings of Rust, in the first group; comments, attributes and characters have none.
+RUST = re.compile(
+    r"//[^\n]*|#!?\[[^\]\"]*(?:\"(?:\\.|[^\"\\])*\"[^\]\"]*)*\]|'(?:\\.|[^'\\])'|\"((?:\\.|[^\"\\])*)\"",
+    re.DOTALL,
+)
+RUST_TESTS = re.compile(r"#\[cfg\(test\)\]\s+(?:pub\(crate\) )?mod tests? \{")
+RUST_ERROR = re.compile(r'#\[error\("((?:\\.|[^"\\])*)"')
+FAULTY = re.compile(r'Fault::(?:new|at|out_of_range)\(\s*"([a-z]+)"')
 LEAST = 5  # letters that a template is known by
 
 
@@ -74,6 +83,41 @@ def of_sources():
                 if TEXT.search(text) and len(letters) >= LEAST and not NO_TEXT.search(text):
                     found.setdefault(text, f"{place}:{node.lineno}")
     return found
+
+
+def of_core():
+    """{template: where it is from} of the core's literals, and of the arguments that its faults are of.
+
+    Its tests apart, and what stands behind a message of its own. Values are numbered as in ``of_sources``.
+    """
+    found = {}
+    for file in sorted(CORE.rglob("*.rs")):
+        text = re.split(
+            r"#\[cfg\(test\)\]\s+(?:pub\(crate\) )?mod tests? \{", file.read_text(encoding="utf-8")
+        )[0]
+        place = file.relative_to(CORE).as_posix()
+        if file.stem.endswith("tests"):
+            continue
+        literals = [_of_rust(literal[1] or "") for literal in RUST.finditer(text)]
+        literals = [
+            literal for literal in literals if " " in literal.strip() and not literal.startswith(" (")
+        ]
+        literals += map(_of_rust, RUST_ERROR.findall(text))
+        for template in (*literals, *FAULTY.findall(text)):
+            if len(re.sub(r"\{\d+\}|[^A-Za-z]", "", template)) >= LEAST or " " not in template:
+                found.setdefault(template, place)
+        found.pop("{0}", None)
+    return found
+
+
+def _of_rust(literal):
+    text = re.sub(r"\\\n\s*", "", literal).replace('\\"', '"')
+    count = itertools.count()
+    return re.sub(
+        r"\{\{|\}\}|\{[^}]*\}",
+        lambda part: {"{{": "{", "}}": "}"}.get(part[0]) or f"{{{next(count)}}}",
+        text,
+    )
 
 
 def _literals(tree):

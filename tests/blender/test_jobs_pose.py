@@ -7,11 +7,13 @@ import scene
 from bl_ext.user_default.lissom import session
 from bl_ext.user_default.lissom.core.inbetween import ArcAsked
 from bl_ext.user_default.lissom.core.refused import Refused
-from bl_ext.user_default.lissom.jobs import arcs, pose
+from bl_ext.user_default.lissom.jobs import arcs, handles, pose
 from bl_ext.user_default.lissom.jobs.bake import Bake, BakeAll, again, to_many
+from bl_ext.user_default.lissom.jobs.drive import DriveAsked, drive
 from bl_ext.user_default.lissom.jobs.pose_bake import BakeAsked, BakePose
 from numpy.testing import assert_array_equal
 from test_inbetween import keyed_tube
+from test_pose_stands import arm
 
 
 def run(job):
@@ -99,3 +101,25 @@ def test_many_arcs_are_told_one_by_one():
     done = run(BakeAll(bpy.context, to_many(bpy.context, ArcAsked(object="Tube", count=1), [])))
     assert [one.slider for one in done.arcs] == ["half arc", "full arc"] == obj.lissom_inbetween.arcs.keys()
     assert done.summary == f"{sum(len(one.keys) for one in done.arcs)} shape keys under 2 sliders"
+
+
+def test_handles_are_added_removed_and_refused_without_an_operator():
+    obj = scene.tube()
+    for name in ("bottom", "top"):
+        scene.group(obj, name, lambda co, up=name == "top": (co.z > 2.5) == up and abs(co.z) > 2.5)
+        assert handles.add(bpy.context, "Tube", name).name == name
+    with pytest.raises(Refused, match="'top' is a handle already"):
+        handles.add(bpy.context, "Tube", "top")
+    handles.remove(bpy.context, "Tube", "bottom")
+    assert obj.lissom_pose.handles.keys() == ["top"] and obj.vertex_groups.keys() == ["bottom", "top"]
+    assert [other for other in bpy.data.objects if other.type == "EMPTY"] == [scene.empty(obj, "top")]
+    with pytest.raises(Refused, match="has no handle 'bottom'"):
+        handles.remove(bpy.context, "Tube", "bottom")
+
+
+def test_driving_says_what_drives_what():
+    obj, rig = arm(degrees=60.0)
+    scene.add_key(obj, "a", scene.points(obj.data.vertices))
+    done = drive(bpy.context, DriveAsked(object=obj.name, key="a"))
+    assert (done.key, done.armature, done.bone) == ("a", rig.name, "upper")
+    assert done.summary == "'a' follows the swing of bone 'upper'"

@@ -112,6 +112,64 @@ def test_a_key_is_opened_for_sculpting_and_what_is_mended_stays(reviewed):
     assert_allclose(key.data[5].co, mended)
 
 
+def whole_state():
+    """All that there is in the file, and where it is shown."""
+    kinds = (bpy.data.objects, bpy.data.meshes, bpy.data.shape_keys, bpy.data.actions, bpy.data.collections)
+    return scene.snapshot(), [sorted(kind.keys()) for kind in kinds]
+
+
+@pytest.mark.parametrize("leave", [False, True])
+def test_a_key_is_mended_by_handles_and_nothing_else_is_touched(reviewed, leave):
+    review, _, target, before = reviewed
+    key = target.data.shape_keys.key_blocks[review.key]
+    group = target.vertex_groups.new(name="mask")
+    group.add(list(range(len(target.data.vertices))), 0.5, "REPLACE")
+    key.vertex_group = "mask"
+    target.location.z = 3
+    bpy.context.view_layer.update()
+    others, shape = whole_state(), scene.key_points(target, key.name)
+    seen = alone(target, key.name)
+    review.mend(bpy.context, "HANDLES")
+    posed = review.mending
+    assert posed not in (None, target) and bpy.context.active_object == posed
+    assert_allclose(scene.shown(posed), seen, atol=1e-6)  # the mesh as the key shows it
+    assert posed.matrix_world == target.matrix_world
+    top = int(seen[:, 2].argmax())
+    held = np.flatnonzero(seen[:, 2] < seen[:, 2].mean())
+    for name, vertices in (("top", [top]), ("held", held.tolist())):
+        posed.vertex_groups.new(name=name).add(vertices, 1.0, "REPLACE")
+        bpy.ops.lissom.pose_handle_add(object=posed.name, vertex_group=name)
+    bpy.ops.lissom.pose_bind(object=posed.name)
+    scene.empty(posed, "top").location.z += 0.25
+    session.review = None
+    review.leave(bpy.context) if leave else review.rest(bpy.context)
+    assert review.mending is None
+    after = whole_state()
+    assert after[1] == others[1]
+    moved = alone(target, key.name) - seen
+    assert_allclose(moved[top], [0, 0, 0.25], atol=1e-4)
+    assert_allclose(moved[held], 0, atol=1e-4)
+    assert_allclose(scene.key_points(target, key.name) - shape, 2 * moved, atol=1e-4)
+    key.vertex_group = ""
+    shape_keys.write_points(key, shape)
+    key.vertex_group = "mask"
+    assert {**whole_state()[0], "": 0} == {**others[0], "": 0}
+    if leave:
+        assert state() == before
+
+
+def test_a_file_saved_while_a_key_is_posed_has_the_key_and_not_the_mesh_to_pose(reviewed, tmp_path):
+    review, _, target, _ = reviewed
+    review.mend(bpy.context, "HANDLES")
+    posed = review.mending.name
+    path = tmp_path / "posing.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True)
+    with bpy.data.libraries.load(str(path)) as (there, _):
+        assert posed not in there.objects and target.name in there.objects
+    assert review.mending is None
+    review.leave(bpy.context)
+
+
 def test_leaving_while_a_key_is_open_closes_it(reviewed):
     review, _, target, before = reviewed
     review.mend(bpy.context)

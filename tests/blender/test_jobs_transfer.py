@@ -16,6 +16,7 @@ from bl_ext.user_default.lissom.jobs.transfer_pose import (
     TransferPose,
 )
 from numpy.testing import assert_array_equal
+from test_panels import draw, text
 from test_transfer import deltas, monkeys
 
 
@@ -75,6 +76,26 @@ def test_what_cannot_be_done_is_refused_before_any_work(asked):
     with pytest.raises(Refused):
         TransferKeys(bpy.context, asked)
     assert scene.snapshot() == before
+
+
+def test_warnings_stay_with_the_source_and_the_target_that_they_are_about():
+    source, target = monkeys()
+    other = scene.monkey(1, "Other")
+    settings, panel = bpy.context.scene.lissom_transfer, bpy.types.LISSOM_PT_transfer
+    target.data.shape_keys or target.shape_key_add(name="Basis")
+    scene.add_key(target, "ears", scene.points(target.data.vertices)).lock_shape = True
+    bpy.ops.lissom.transfer_keys()
+    (said,) = [line for line in settings.warnings.splitlines() if "locked" in line.lower()]
+    assert said in text(draw(panel))
+    settings.target = other
+    assert settings.told == "" and said not in text(draw(panel))
+    settings.target = target
+    assert said in settings.told
+    bpy.ops.lissom.transfer_sides(swap=True)
+    assert settings.source == target and settings.told == ""
+    bpy.ops.lissom.transfer_sides(swap=True)
+    bpy.ops.lissom.warning_dismiss(page="TRANSFER")
+    assert settings.told == "" and (settings.source, settings.target) == (source, target)
 
 
 def test_what_is_asked_has_the_precision_of_properties():

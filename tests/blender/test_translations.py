@@ -3,6 +3,8 @@
 import json
 import re
 
+import lissom
+import numpy as np
 import pytest
 import strings
 from bl_ext.user_default.lissom import translations
@@ -27,6 +29,45 @@ def test_every_text_is_translated(addon, table):
     missing = {text: place for text, place in wanted.items() if text not in table and text not in SAME}
     lines = [f"{json.dumps(text)}: {place}" for text, place in sorted(missing.items())]
     assert not missing, f"{len(missing)} texts are missing in {FILE.name}:\n" + "\n".join(lines)
+
+
+def test_every_message_of_the_core_is_translated(table):
+    wanted = strings.of_core()
+    assert len(wanted) > 200 and {"empty handle", "handles", "cancelled"} <= set(wanted)
+    missing = {text: place for text, place in wanted.items() if text not in table}
+    lines = [f"{json.dumps(text)}: {place}" for text, place in sorted(missing.items())]
+    assert not missing, f"{len(missing)} texts are missing in {FILE.name}:\n" + "\n".join(lines)
+
+
+def faults():
+    """What the native module says of some input that is wrong or doubtful."""
+    square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [9, 9, 9.0]])
+    faces = np.array([[0, 1, 2], [0, 2, 3]])
+    mesh = lissom.Mesh(square, faces)
+    yield from mesh.warnings
+    yield from lissom.Mesh(square, [*faces, [0, 1, 2], [1, 1, 2]]).warnings
+    for wrong in (
+        lambda: lissom.Mesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=int)),
+        lambda: lissom.Mesh(square, [[0, 1, 7]]),
+        lambda: lissom.Mesh(square * [np.nan, 1, 1], faces),
+        lambda: lissom.Pose(mesh, [[0], []]),
+        lambda: lissom.Pose(mesh, [[0], [0]]),
+        lambda: lissom.Pose(mesh, [[0], [9]]),
+        lambda: lissom.Pose(mesh, [[0], [2]], method="arap", rotation_smoothing=-1.0),
+        lambda: lissom.Inbetween(mesh, square, square[:3]),
+        lambda: lissom.Inbetween(mesh, square, square).keyframes(-1.0),
+        lambda: lissom.fit_correspondence(mesh, mesh, [[0, 0], [0, 1], [2, 2]]),
+    ):
+        with pytest.raises((lissom.Error, ValueError)) as error:
+            wrong()
+        yield str(error.value)
+
+
+def test_what_the_core_says_of_real_input_is_chinese_to_the_last_word(table):
+    said = {text: Catalogue(table).said(text) for text in faults()}
+    assert len(said) > 10
+    left = {text: told for text, told in said.items() if re.search("[a-z]{2,} [a-z]{2,}", told)}
+    assert not left, left
 
 
 def test_placeholders_agree(table):
