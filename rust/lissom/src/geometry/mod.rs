@@ -8,7 +8,7 @@
 //! | [`rigid`] | rigid and similarity maps between point sets |
 //! | [`polyline`] | paths and loops by arc length |
 //! | [`plane`] | mirror images and twins |
-//! | [`surface`], [`tree`] | closest points, barycentric coordinates; and how they are found |
+//! | [`surface`], [`tree`], [`ray`] | closest points, barycentric coordinates, exits of rays; and how they are found |
 //! | [`solid`], [`body`] | inside and outside; how deep |
 
 pub mod body;
@@ -16,6 +16,7 @@ pub mod frame;
 pub mod groups;
 pub mod plane;
 pub mod polyline;
+mod ray;
 pub mod rigid;
 pub mod rows;
 pub mod solid;

@@ -5,12 +5,10 @@
 
 use rayon::prelude::*;
 
+use super::ray::crossing;
 use super::tree::{Bounds, Tree};
 use super::triangle::{closest_weights, normal_and_area};
 use crate::Vec3;
-
-/// A ray that misses a triangle by less than this part of it hits it.
-const SLIT: f64 = 1e-9;
 
 /// Reach is meant to include what is just as far; by this part of its square, which rounding loses.
 const ROUNDING: f64 = 1e-12;
@@ -102,13 +100,15 @@ impl Surface {
 
     /// The same, of which nothing is found that is not `open`.
     pub fn where_open(corners: Vec<[Vec3; 3]>, open: impl Fn(usize) -> bool) -> Self {
-        let mut leaves: Vec<Leaf> = (0u32..).zip(corners).map(|(t, corners)| Leaf::new(t, corners)).collect();
-        let bounds: Vec<Bounds> = leaves.iter().map(Leaf::bounds).collect();
-        let (tree, mut order) = Tree::new(&bounds, (0..leaves.len()).filter(|&t| open(t)).map(|t| t as u32));
-        order.extend((0..leaves.len()).filter(|&t| !open(t)).map(|t| t as u32));
-        let mut slot = vec![0; leaves.len()];
+        let all = 0..corners.len() as u32;
+        let leaf = |t: u32| Leaf::new(t, corners[t as usize]);
+        let of_triangle = |t| leaf(t).bounds();
+        let bounds: Vec<Bounds> = all.clone().into_par_iter().with_min_len(GRAIN).map(of_triangle).collect();
+        let (tree, mut order) = Tree::new(&bounds, all.clone().filter(|&t| open(t as usize)));
+        order.extend(all.filter(|&t| !open(t as usize)));
+        let mut slot = vec![0; corners.len()];
         (0..).zip(&order).for_each(|(place, &t)| slot[t as usize] = place);
-        leaves.sort_unstable_by_key(|leaf| slot[leaf.triangle as usize]);
+        let leaves = order.par_iter().with_min_len(GRAIN).map(|&t| leaf(t)).collect();
         Self { tree, leaves, slot }
     }
 
@@ -207,7 +207,7 @@ impl Surface {
             let (distance, weights) = leaves.then(|| crossing(leaf.corners, origin, direction))??;
             Some((distance, (leaf, weights)))
         };
-        let (distance, (leaf, weights)) = self.tree.along(origin, direction, SLIT, at)?;
+        let (distance, (leaf, weights)) = self.tree.along(origin, direction, at)?;
         Some(Hit { triangle: leaf.triangle as usize, point: leaf.at(weights), weights, distance })
     }
 
@@ -242,20 +242,6 @@ impl Surface {
 fn centroid(leaf: &Leaf, point: Vec3) -> (f64, (Vec3, Vec3)) {
     let centre = leaf.centroid();
     (centre.distance_squared(point), (Vec3::splat(1.0 / 3.0), centre))
-}
-
-/// How far along a ray lies a triangle, and the barycentric coordinates there (Möller & Trumbore 1997, Fast, Minimum
-/// Storage Ray/Triangle Intersection).
-fn crossing([a, b, c]: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<(f64, Vec3)> {
-    let (ab, ac, from) = (b - a, c - a, origin - a);
-    let across = direction.cross(ac);
-    let q = from.cross(ab);
-    let scale = 1.0 / ab.dot(across);
-    let (v, w, distance) = (from.dot(across) * scale, direction.dot(q) * scale, ac.dot(q) * scale);
-    let weights = Vec3::new(1.0 - v - w, v, w);
-    let inside = weights.min_element() >= -SLIT && distance > 0.0 && distance.is_finite();
-    let weights = weights.max(Vec3::ZERO);
-    inside.then(|| (distance, weights / weights.element_sum()))
 }
 
 #[cfg(test)]

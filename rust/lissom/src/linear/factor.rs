@@ -1,4 +1,5 @@
-//! Sparse Cholesky factorization behind one small type; the only file that knows faer's solver.
+//! Sparse Cholesky factorization behind one small type; beside [`super::substitution`] the only file that knows faer's
+//! solver.
 
 use std::sync::Arc;
 
@@ -17,6 +18,7 @@ use rayon::prelude::*;
 
 use super::columns::Columns;
 use super::matrix::SymmetricMatrix;
+use super::substitution::{LANES, Lanes, substitute};
 use crate::{Error, Result, Vec3, memory};
 
 /// Added to each entry of the diagonal, relative to itself, when a factorization fails the first time. Rounding
@@ -30,6 +32,9 @@ const ROUNDING: f64 = 1e-14;
 /// What to say where that happened.
 pub const REGULARIZED: &str = "the system is singular to rounding, and a little was added to its diagonal: parts of \
                                the mesh hang together by next to nothing, or are held by too few vertices";
+
+/// Up to so many columns are solved by [`substitute`]; beyond, products of matrices are worth being set up.
+const FEW: usize = 2 * LANES;
 
 /// Columns solved together by one thread; more share each pass over the factor.
 const COLUMNS_AT_ONCE: usize = 8;
@@ -211,6 +216,12 @@ impl Factor {
         if self.size() == 0 {
             return;
         }
+        if let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.0.raw()
+            && (2..=FEW).contains(&columns.count())
+        {
+            let factor = SupernodalLltRef::new(symbolic, &self.values);
+            return self.solve_few(factor, columns);
+        }
         let at_once = columns.count().div_ceil(SHARES).clamp(1, COLUMNS_AT_ONCE);
         let llt = LltRef::new(&self.symbolic.0, &self.values);
         columns.data_mut().par_chunks_mut(at_once * self.size()).for_each(|chunk| {
@@ -219,6 +230,23 @@ impl Factor {
             let mut memory = MemBuffer::new(scratch);
             let block = MatMut::from_column_major_slice_mut(chunk, self.size(), count);
             llt.solve_in_place_with_conj(Conj::No, block, Par::Seq, MemStack::new(&mut memory));
+        });
+    }
+
+    fn solve_few(&self, factor: SupernodalLltRef<'_, u32, f64>, columns: &mut Columns) {
+        let size = self.size();
+        let at_once = columns.count().div_ceil(columns.count().div_ceil(LANES));
+        let order = self.symbolic.0.perm().map(|order| order.arrays().0);
+        let place = |k: usize| order.map_or(k, |order| order[k] as usize);
+        columns.data_mut().par_chunks_mut(at_once * size).for_each(|chunk| {
+            let count = chunk.len() / size;
+            let at = |i: usize, lane: usize| if lane < count { chunk[lane * size + i] } else { 0.0 };
+            let lanes = |k: usize| -> Lanes { std::array::from_fn(|lane| at(place(k), lane)) };
+            let mut b: Vec<Lanes> = (0..size).map(lanes).collect();
+            substitute(factor, &mut b);
+            for (k, x) in b.iter().enumerate() {
+                (0..count).for_each(|lane| chunk[lane * size + place(k)] = x[lane]);
+            }
         });
     }
 }

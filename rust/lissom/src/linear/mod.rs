@@ -12,6 +12,7 @@ pub mod dense;
 mod factor;
 mod matrix;
 mod normal;
+mod substitution;
 mod system;
 
 pub use apart::{SplitMatrix, long_rows};

@@ -16,6 +16,10 @@ use crate::Vec3;
 /// Points further away are not rounded to single precision, but look at all boxes.
 const FAR: f64 = 1e6;
 
+/// Directions are no nearer to an axis' plane: their inverses are finite, and a ray that leaves the plane by less passes all
+/// boxes before it has left one by their room for rounding.
+const FLAT: f64 = 1e-12;
+
 /// Places on the stack of a search: a node leaves three, and all but three of the nodes above each other have a quarter of
 /// what the one above has.
 const STACK: usize = 64;
@@ -146,27 +150,19 @@ impl Tree {
         self.search(limit, self.per_unit * self.per_unit, bound, at)
     }
 
-    /// The same for a ray; the cost is how far along it is. Boxes are larger by `pad` of themselves.
+    /// The same for a ray of unit `direction`; the cost is how far along it is.
     pub fn along<T>(
         &self,
         origin: Vec3,
         direction: Vec3,
-        pad: f64,
         at: impl FnMut(u32, f64) -> Option<(f64, T)>,
     ) -> Option<(f64, T)> {
-        let (origin, inverse) = ((origin - self.centre) * self.per_unit, direction.recip());
-        let bound = |node: &Node| {
-            std::array::from_fn(|k| {
-                let corner = |of: &[[f32; 4]; 3]| Vec3::from_array(of.map(|axis| f64::from(axis[k])));
-                let (low, high) = (corner(&node.low), corner(&node.high));
-                let pad = Vec3::splat(pad * low.distance(high));
-                let (a, b) = ((low - pad - origin) * inverse, (high + pad - origin) * inverse);
-                // A ray along a face of the box gives 0 times infinity, which `min` and `max` pass over.
-                let (near, far) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
-                if near <= far { (near as f32).next_down() } else { f32::INFINITY }
-            })
-        };
-        self.search(f64::INFINITY, self.per_unit, bound, at)
+        let origin = (origin - self.centre) * self.per_unit;
+        let inverse = direction.to_array().map(|d| (1.0 / f64::max(d.abs(), FLAT).copysign(d)) as f32);
+        // The boxes themselves have room for rounding where all is within 1 of the centre.
+        let pad = PAD * origin.abs().max_element() as f32;
+        let origin = origin.to_array().map(|x| x as f32);
+        self.search(f64::INFINITY, self.per_unit, |node: &Node| node.along(origin, inverse, pad), at)
     }
 
     /// Depth first, the nearest child before the others. `to_bounds` takes a cost to what `bound` is in.

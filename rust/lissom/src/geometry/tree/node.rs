@@ -66,6 +66,31 @@ impl Node {
         squared
     }
 
+    /// How far along a ray each child is at least, infinite where it is not; of the direction the inverse, and boxes are
+    /// larger by `pad`.
+    // As above.
+    #[allow(clippy::needless_range_loop)]
+    #[inline]
+    pub fn along(&self, origin: [f32; 3], inverse: [f32; 3], pad: f32) -> [f32; 4] {
+        let (mut near, mut far) = ([0.0f32; 4], [f32::INFINITY; 4]);
+        for axis in 0..3 {
+            let up = inverse[axis] > 0.0;
+            let (first, last) = if up { (&self.low, &self.high) } else { (&self.high, &self.low) };
+            let pad = if up { pad } else { -pad };
+            for k in 0..4 {
+                let enter = (first[axis][k] - pad - origin[axis]) * inverse[axis];
+                let leave = (last[axis][k] + pad - origin[axis]) * inverse[axis];
+                near[k] = if enter > near[k] { enter } else { near[k] };
+                far[k] = if leave < far[k] { leave } else { far[k] };
+            }
+        }
+        for k in 0..4 {
+            let met = near[k] * (1.0 - PAD) <= far[k] * (1.0 + PAD);
+            near[k] = if met { near[k] * (1.0 - PAD) } else { f32::INFINITY };
+        }
+        near
+    }
+
     /// Leaves out the children in which nothing faces the way of a normal.
     #[allow(clippy::needless_range_loop)]
     #[inline]

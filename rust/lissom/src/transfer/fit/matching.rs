@@ -30,8 +30,13 @@ impl Placed<'_> {
                 return None;
             }
             let (at, normal) = (self.surface.centroid(t), self.surface.normal(t));
-            // Reach is measured to the surface: centroids of large triangles are far from anything.
+            // Reach is measured to the surface, since centroids of large triangles are far from anything; where the nearest
+            // is within reach all the same, so is the surface.
             let look = |accept: &(dyn Fn(usize) -> bool + Sync)| {
+                let near = other.surface.closest_compatible_centroid(at, normal, reach, accept);
+                if near.is_some() {
+                    return near;
+                }
                 let hit = other.surface.closest_compatible_point_on(at, normal, reach, accept)?;
                 let within = other.surface.centroid(hit.triangle).distance(at) * (1.0 + f64::EPSILON);
                 other.surface.closest_compatible_centroid(at, normal, within, accept).or(Some(hit))
