@@ -13,6 +13,7 @@
 use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{Triangle, TrianglePointLocation};
 
+use super::boxes::Boxes;
 use super::groups::Groups;
 use super::rows::Rows;
 use super::solid::Solid;
@@ -21,8 +22,14 @@ use crate::Vec3;
 /// Triangles of a leaf.
 const LEAF: usize = 4;
 
+/// Bodies, each for itself: where they overlap, what is in any of them is inside.
+pub struct Bodies {
+    bodies: Vec<Body>,
+    boxes: Boxes,
+}
+
 /// A closed surface whose triangles face outwards, and the tree of them.
-pub struct Body {
+struct Body {
     solid: Solid,
     triangles: Vec<Leaf>,
     /// The root first, children after their parents.
@@ -50,9 +57,9 @@ enum Below {
     Nodes(usize),
 }
 
-impl Body {
-    /// The connected parts of `triangles`, each for itself: where they overlap, what is in any of them is inside.
-    pub fn parts(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Self> {
+impl Bodies {
+    /// The connected parts of `triangles`.
+    pub fn parts(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Self {
         let joined = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [a, c]]);
         let groups = Groups::joining(vertices.len(), joined);
         let part = |t: &[u32; 3]| groups.of()[t[0] as usize];
@@ -64,11 +71,21 @@ impl Body {
         }
         let body = |(part, own): (&[u32], &[[u32; 3]])| {
             let corners = own.iter().map(|t| t.map(|v| place[v as usize])).collect();
-            Self::new(part.iter().map(|&v| vertices[v as usize]).collect(), corners)
+            Body::new(part.iter().map(|&v| vertices[v as usize]).collect(), corners)
         };
-        members.iter().zip(of_part.iter()).filter_map(body).collect()
+        let bodies: Vec<Body> = members.iter().zip(of_part.iter()).filter_map(body).collect();
+        let boxes = Boxes::around(bodies.iter().map(|body| body.box_of_all));
+        Self { bodies, boxes }
     }
 
+    /// How deep a point is in the body that it is deepest in, and the nearest point of that one's surface; `None` outside.
+    pub fn deepest(&self, point: Vec3) -> Option<(f64, Vec3)> {
+        let depths = self.boxes.within(point, 0.0).into_iter().filter_map(|k| self.bodies[k].depth(point));
+        depths.max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+}
+
+impl Body {
     /// `None` without triangles.
     fn new(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Option<Self> {
         let leaves =
@@ -81,7 +98,7 @@ impl Body {
     }
 
     /// How deep a point is inside, and the nearest point of the surface; `None` outside.
-    pub fn depth(&self, point: Vec3) -> Option<(f64, Vec3)> {
+    fn depth(&self, point: Vec3) -> Option<(f64, Vec3)> {
         let [least, most] = self.box_of_all;
         if !(point.cmpge(least).all() && point.cmple(most).all()) {
             return None;
@@ -169,9 +186,14 @@ mod tests {
         let vertices = corners.into_iter().chain(corners.map(|p| p + Vec3::splat(0.1))).collect::<Vec<_>>();
         let faces = [[0u32, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
         let triangles: Vec<[u32; 3]> = (0..2).flat_map(|k| faces.map(|t| t.map(|v| v + 4 * k))).collect();
-        let depths = |p: Vec3| Body::parts(&vertices, &triangles).iter().filter_map(|s| s.depth(p)).count();
+        let bodies = Bodies::parts(&vertices, &triangles);
+        let depths = |p: Vec3| bodies.bodies.iter().filter_map(move |s| s.depth(p)).map(|of| of.0);
         // In the first alone, beside the surface of the second; in both; in none.
-        assert_eq!([0.09, 0.3, -0.1].map(|z| depths(Vec3::new(0.3, 0.3, z))), [1, 2, 0]);
+        for (z, count) in [(0.09, 1), (0.3, 2), (-0.1, 0)] {
+            let p = Vec3::new(0.3, 0.3, z);
+            assert_eq!(depths(p).count(), count);
+            assert_eq!(bodies.deepest(p).map(|of| of.0), depths(p).max_by(f64::total_cmp));
+        }
     }
 
     #[test]
@@ -202,13 +224,13 @@ mod tests {
             }
         }
         let solid = Solid::new(vertices.clone(), triangles.clone()).unwrap();
-        let [body] = &Body::parts(&vertices, &triangles)[..] else { panic!("one part") };
+        let body = Bodies::parts(&vertices, &triangles);
         let mut inside = 0;
         for k in 0..1000 {
             let p = Vec3::new(f64::from(k % 10), f64::from(k / 10 % 10), f64::from(k / 100)) * 0.22
                 - Vec3::splat(1.0);
             let side = solid.side(p, f64::MAX).unwrap();
-            let depth = body.depth(p);
+            let depth = body.deepest(p);
             assert_eq!(depth.is_some(), side.signed_distance < 0.0, "{p}");
             if let Some((depth, nearest)) = depth {
                 inside += 1;

@@ -9,9 +9,11 @@
 //! | [`polyline`] | paths and loops by arc length |
 //! | [`plane`] | mirror images and twins |
 //! | [`surface`], [`tree`] | closest points, barycentric coordinates; and how they are found |
+//! | [`boxes`] | which of many a point is near |
 //! | [`solid`], [`body`] | inside and outside; how deep |
 
 pub mod body;
+pub mod boxes;
 pub mod frame;
 pub mod groups;
 pub mod plane;

@@ -8,6 +8,8 @@
 
 mod growth;
 mod node;
+#[cfg(test)]
+mod tests;
 
 use self::growth::{Branch, Item, grow};
 use self::node::{LEAF, NOTHING, Node, PAD};
@@ -72,6 +74,7 @@ impl Tree {
         let own = self.nodes.len();
         self.nodes.push(Node::nothing());
         for (k, child) in children.iter().enumerate() {
+            self.nodes[own].first[k] = *slot;
             self.nodes[own].child[k] = match child {
                 Branch::Leaf => {
                     *slot += 1;
@@ -136,14 +139,33 @@ impl Tree {
         limit: f64,
         at: impl FnMut(u32, f64) -> Option<(f64, T)>,
     ) -> Option<(f64, T)> {
-        let bound = |node: &Node| {
-            let mut bound = if probe.is_far { [0.0; 4] } else { node.outside(probe.place) };
-            if let Some(facing) = probe.facing {
-                node.pass_over(facing, &mut bound);
-            }
-            bound
+        let bound = |node: &Node, ()| (self.bound(node, probe), [(); 4]);
+        self.search(limit, self.per_unit * self.per_unit, (), bound, at)
+    }
+
+    /// The same among `slots`, which ascend: where none of them is below a node, it is not looked into.
+    pub fn nearest_of<T>(
+        &self,
+        slots: &[u32],
+        probe: &Probe,
+        limit: f64,
+        at: impl FnMut(u32, f64) -> Option<(f64, T)>,
+    ) -> Option<(f64, T)> {
+        let bound = |node: &Node, all| {
+            let mut bound = self.bound(node, probe);
+            let shares = node.deal(slots, all, &mut bound);
+            (bound, shares)
         };
-        self.search(limit, self.per_unit * self.per_unit, bound, at)
+        self.search(limit, self.per_unit * self.per_unit, [0, slots.len() as u32], bound, at)
+    }
+
+    #[inline]
+    fn bound(&self, node: &Node, probe: &Probe) -> [f32; 4] {
+        let mut bound = if probe.is_far { [0.0; 4] } else { node.outside(probe.place) };
+        if let Some(facing) = probe.facing {
+            node.pass_over(facing, &mut bound);
+        }
+        bound
     }
 
     /// The same for a ray; the cost is how far along it is. Boxes are larger by `pad` of themselves.
@@ -155,8 +177,8 @@ impl Tree {
         at: impl FnMut(u32, f64) -> Option<(f64, T)>,
     ) -> Option<(f64, T)> {
         let (origin, inverse) = ((origin - self.centre) * self.per_unit, direction.recip());
-        let bound = |node: &Node| {
-            std::array::from_fn(|k| {
+        let bound = |node: &Node, ()| {
+            let bound = std::array::from_fn(|k| {
                 let corner = |of: &[[f32; 4]; 3]| Vec3::from_array(of.map(|axis| f64::from(axis[k])));
                 let (low, high) = (corner(&node.low), corner(&node.high));
                 let pad = Vec3::splat(pad * low.distance(high));
@@ -164,28 +186,30 @@ impl Tree {
                 // A ray along a face of the box gives 0 times infinity, which `min` and `max` pass over.
                 let (near, far) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
                 if near <= far { (near as f32).next_down() } else { f32::INFINITY }
-            })
+            });
+            (bound, [(); 4])
         };
-        self.search(f64::INFINITY, self.per_unit, bound, at)
+        self.search(f64::INFINITY, self.per_unit, (), bound, at)
     }
 
-    /// Depth first, the nearest child before the others. `to_bounds` takes a cost to what `bound` is in.
-    fn search<T>(
+    /// Depth first, the nearest child before the others. `to_bounds` takes a cost to what `bound` is in, which is told what
+    /// it has told of the node as a child: `all` of the first.
+    fn search<T, S: Copy>(
         &self,
         limit: f64,
         to_bounds: f64,
-        bound: impl Fn(&Node) -> [f32; 4],
+        all: S,
+        bound: impl Fn(&Node, S) -> ([f32; 4], [S; 4]),
         mut at: impl FnMut(u32, f64) -> Option<(f64, T)>,
     ) -> Option<(f64, T)> {
         let (mut best, mut least) = (None, limit);
         let rounded = |cost: f64| ((cost * to_bounds) as f32).next_up();
         let mut limit = rounded(limit);
-        let mut stack = [(0.0f32, NOTHING); STACK];
+        let mut stack = [(0.0f32, 0, all); STACK];
         let mut height = 1;
-        stack[0] = (0.0, 0);
         while height > 0 {
             height -= 1;
-            let (bounded, child) = stack[height];
+            let (bounded, child, share) = stack[height];
             if bounded >= limit {
                 continue;
             }
@@ -198,9 +222,9 @@ impl Tree {
                 continue;
             }
             let node = &self.nodes[child as usize];
-            let bounds = bound(node);
+            let (bounds, shares) = bound(node, share);
             let first = height;
-            for (child, bounded) in node.child.into_iter().zip(bounds) {
+            for ((child, bounded), share) in node.child.into_iter().zip(bounds).zip(shares) {
                 if child != NOTHING && bounded < limit {
                     // The nearest comes last, to be taken first.
                     let mut place = height;
@@ -208,7 +232,7 @@ impl Tree {
                         stack[place] = stack[place - 1];
                         place -= 1;
                     }
-                    stack[place] = (bounded, child);
+                    stack[place] = (bounded, child, share);
                     height += 1;
                 }
             }
@@ -226,98 +250,5 @@ fn frame(bounds: impl Iterator<Item = Bounds>) -> (Vec3, f64) {
         (centre, 1.0 / size.clamp(1e-100, 1e100))
     } else {
         (Vec3::ZERO, 1.0)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::cell::Cell;
-
-    /// The bounds of the triangles of a wavy sheet of `n` by `n` squares, `lift` above the plane.
-    fn sheet(n: usize, lift: f64) -> Vec<Bounds> {
-        let at = |i: usize, j: usize| {
-            let (x, y) = (i as f64 / n as f64, j as f64 / n as f64);
-            Vec3::new(x, y, lift + 0.1 * (7.0 * x).sin() * (5.0 * y).cos())
-        };
-        let squares = (0..n * n).map(|k| (k / n, k % n));
-        let halves = squares.flat_map(|(i, j)| {
-            [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
-        });
-        halves
-            .map(|[a, b, c]| {
-                let normal = (b - a).cross(c - a).normalize();
-                Bounds { place: [a.min(b).min(c), a.max(b).max(c)], normal }
-            })
-            .collect()
-    }
-
-    /// The least squared distance to the centre of a box that faces the way of `facing`, and how many were looked at.
-    fn nearest(tree: &Tree, bounds: &[Bounds], order: &[u32], point: Vec3, facing: Vec3) -> (f64, usize) {
-        let looked_at = Cell::new(0);
-        let at = |slot: u32, _| {
-            looked_at.set(looked_at.get() + 1);
-            let Bounds { place: [low, high], normal } = bounds[order[slot as usize] as usize];
-            let squared = ((low + high) * 0.5).distance_squared(point);
-            (normal.dot(facing) > 0.0).then_some((squared, ()))
-        };
-        let probe = tree.probe(point, Some(facing)).unwrap();
-        let found = tree.nearest(&probe, f64::INFINITY, at);
-        (found.map_or(f64::INFINITY, |found| found.0), looked_at.get())
-    }
-
-    #[test]
-    fn nothing_nearer_is_passed_over() {
-        for (shift, scale) in [(Vec3::ZERO, 1.0), (Vec3::new(3e5, -1e3, 7.0), 1.0), (Vec3::ONE, 1e-7)] {
-            let moved = |bounds: &Bounds| {
-                let place = bounds.place.map(|p| p * scale + shift);
-                Bounds { place, ..*bounds }
-            };
-            let (flat, bounds): (Vec<Bounds>, Vec<Bounds>) =
-                sheet(13, 0.2).iter().map(|of| (Bounds { place: [shift; 2], ..*of }, moved(of))).unzip();
-            let (tree, order) = Tree::new(&bounds, 0..bounds.len() as u32);
-            // Sorted where all lies in one place, and then moved apart.
-            let (mut late, late_order) = Tree::new(&flat, 0..flat.len() as u32);
-            late.fit(|slot| bounds[late_order[slot as usize] as usize]);
-            for k in 0..60 {
-                let way = Vec3::new((k as f64).sin(), (2.7 * k as f64).cos(), (1.9 * k as f64).sin());
-                let off = [1.0, 0.01, 1e3, 1e9][k % 4];
-                let point = shift + (Vec3::new(0.5, 0.4, 0.2) + way * off) * scale;
-                let facing = Vec3::new(way.y, way.z, way.x) * 1e-30;
-                let all = (0..bounds.len() as u32).collect::<Vec<_>>();
-                let least = all.iter().filter(|&&t| bounds[t as usize].normal.dot(facing) > 0.0);
-                let squared = |&t: &u32| {
-                    ((bounds[t as usize].place[0] + bounds[t as usize].place[1]) * 0.5)
-                        .distance_squared(point)
-                };
-                let expected = least.map(squared).fold(f64::INFINITY, f64::min);
-                assert_eq!(nearest(&tree, &bounds, &order, point, facing).0, expected);
-                assert_eq!(nearest(&late, &bounds, &late_order, point, facing).0, expected);
-            }
-        }
-    }
-
-    #[test]
-    fn what_faces_away_costs_next_to_nothing_however_much_there_is() {
-        // Closer by, as finely cut, is what faces away: one third of it is nearer than what is looked for, of which more
-        // is as near to within the size of a triangle the smaller these are.
-        let cost = |n: usize| -> f64 {
-            let mut bounds = sheet(n, 0.0);
-            bounds.extend(sheet(n, 0.3).iter().map(|of| Bounds { normal: -of.normal, ..*of }));
-            let (tree, order) = Tree::new(&bounds, 0..bounds.len() as u32);
-            let queries = sheet(20, 0.29);
-            let each = queries.iter().map(|of| nearest(&tree, &bounds, &order, of.place[0], of.normal).1);
-            each.sum::<usize>() as f64 / queries.len() as f64
-        };
-        let (few, many) = (cost(20), cost(80));
-        assert!(few < 50.0 && many < 5.0 * few, "{few} of 1600 triangles looked at, {many} of 25600");
-    }
-
-    #[test]
-    fn no_direction_and_no_triangles_find_nothing() {
-        let (tree, order) = Tree::new(&[], 0..0);
-        assert_eq!(nearest(&tree, &[], &order, Vec3::ZERO, Vec3::X), (f64::INFINITY, 0));
-        assert!(tree.probe(Vec3::ZERO, Some(Vec3::ZERO)).is_none());
-        assert!(tree.probe(Vec3::ZERO, Some(Vec3::splat(f64::NAN))).is_none());
     }
 }
