@@ -10,9 +10,9 @@
 //! | [`plane`] | mirror images and twins |
 //! | [`surface`], [`tree`] | closest points, barycentric coordinates; and how they are found |
 //! | [`boxes`] | which of many a point is near |
-//! | [`solid`], [`body`] | inside and outside; how deep |
+//! | [`solid`], [`bodies`] | inside and outside; how deep |
 
-pub mod body;
+pub mod bodies;
 pub mod boxes;
 pub mod frame;
 pub mod groups;

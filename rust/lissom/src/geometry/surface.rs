@@ -123,6 +123,12 @@ impl Surface {
         Self { tree, leaves, slot, parts }
     }
 
+    /// The same, quick to search from the middle of what it encloses, until it is moved.
+    pub fn with_slabs(mut self) -> Self {
+        self.tree.add_slabs(|slot| self.leaves[slot as usize].corners);
+        self
+    }
+
     /// Moves it to where the corners of its `triangles` are at `positions` now.
     pub fn follow(&mut self, triangles: &[[u32; 3]], positions: &[Vec3]) {
         let moved = |leaf: &mut Leaf| {
@@ -132,6 +138,11 @@ impl Surface {
         self.leaves.par_iter_mut().with_min_len(GRAIN).for_each(moved);
         let leaves = &self.leaves;
         self.tree.fit(|slot| leaves[slot as usize].bounds());
+    }
+
+    /// The corners of a triangle.
+    pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        self.leaf(triangle).corners
     }
 
     /// The unit normal of a triangle.

@@ -14,7 +14,7 @@
 use rayon::prelude::*;
 
 use super::shapes::Shapes;
-use crate::geometry::body::Bodies;
+use crate::geometry::bodies::Bodies;
 use crate::linear::{ConstrainedSystem, Constraints};
 use crate::{Error, Fault, Job, Mesh, Result, Vec3};
 

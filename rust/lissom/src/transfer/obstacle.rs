@@ -63,9 +63,9 @@ struct Posed<'a> {
 }
 
 impl Posed<'_> {
-    /// Those that a point may be within reach of.
-    fn near(&self, point: Vec3) -> impl Iterator<Item = &(&Obstacle, Solid)> {
-        self.boxes.within(point, REACH).into_iter().map(|k| &self.solids[k])
+    /// Those that a point may be within `reach` of, or in.
+    fn near(&self, point: Vec3, reach: f64) -> impl Iterator<Item = &(&Obstacle, Solid)> {
+        self.boxes.within(point, reach).into_iter().map(|k| &self.solids[k])
     }
 }
 
@@ -85,8 +85,8 @@ impl Obstacle {
         vertices.dedup();
         let place = |v: u32| vertices.partition_point(|&w| w < v) as u32;
         let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(place)).collect();
-        let rest = vertices.iter().map(|&v| mesh.rest()[v as usize]).collect();
-        let rest = Solid::new(rest, triangles.clone())?;
+        let rest: Vec<Vec3> = vertices.iter().map(|&v| mesh.rest()[v as usize]).collect();
+        let rest = Solid::new(&rest, triangles.clone())?;
         Some(Self { component, vertices, triangles, rest })
     }
 
@@ -135,8 +135,10 @@ impl Obstacles {
 
     /// The solids where `displacements` take them.
     fn posed(&self, mesh: &Mesh, displacements: &[Vec3]) -> Posed<'_> {
-        let posed =
-            |of: &'_ Obstacle| Solid::new(of.posed(mesh, displacements).collect(), of.triangles.clone());
+        let posed = |of: &Obstacle| {
+            let at: Vec<Vec3> = of.posed(mesh, displacements).collect();
+            Solid::new(&at, of.triangles.clone())
+        };
         let solids: Vec<_> = self.solids.iter().filter_map(|of| Some((of, posed(of)?))).collect();
         let boxes = Boxes::around(solids.iter().map(|(of, _)| of.posed(mesh, displacements)));
         Posed { solids, boxes }
@@ -154,7 +156,7 @@ impl Obstacles {
         let of = |point: &Option<(u32, Vec3)>| {
             let (vertex, point) = (*point)?;
             let own = mesh.components().of_vertex(vertex as usize)?;
-            let near = posed.near(point).filter(|(solid, _)| self.gives_way(own, solid));
+            let near = posed.near(point, REACH).filter(|(solid, _)| self.gives_way(own, solid));
             near.filter_map(|(_, posed)| Some(posed.side(point, REACH)?.signed_distance))
                 .min_by(f64::total_cmp)
         };
@@ -174,7 +176,7 @@ impl Obstacles {
             let d = displacements[v as usize];
             let own = target.components().of_vertex(v as usize).filter(|_| d != Vec3::ZERO)?;
             let at = rest[v as usize];
-            let near = posed.near(at + d).filter(|(solid, _)| self.gives_way(own, solid));
+            let near = posed.near(at + d, CLEAR).filter(|(solid, _)| self.gives_way(own, solid));
             let short = near.filter_map(|(solid, posed)| {
                 let now = posed.side(at + d, REACH).filter(|now| now.signed_distance < CLEAR)?;
                 let wanted = match least[v as usize] {

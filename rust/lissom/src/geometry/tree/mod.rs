@@ -8,11 +8,13 @@
 
 mod growth;
 mod node;
+mod slab;
 #[cfg(test)]
 mod tests;
 
 use self::growth::{Branch, Item, grow};
 use self::node::{LEAF, NOTHING, Node, PAD};
+use self::slab::Slabs;
 use crate::Vec3;
 
 /// Points further away are not rounded to single precision, but look at all boxes.
@@ -25,6 +27,8 @@ const STACK: usize = 64;
 /// The tree; what it holds has a *slot* each.
 pub struct Tree {
     nodes: Vec<Node>,
+    /// Of each node, or none at all.
+    slabs: Vec<Slabs>,
     slots: u32,
     centre: Vec3,
     per_unit: f64,
@@ -41,6 +45,7 @@ pub struct Bounds {
 
 /// Where something is asked for, as the tree rounds it.
 pub struct Probe {
+    exact: Vec3,
     place: [f32; 3],
     is_far: bool,
     facing: Option<[f32; 3]>,
@@ -59,7 +64,7 @@ impl Tree {
         let mut items: Vec<Item> = which.map(item).collect();
         let branch = grow(&mut items);
         let nodes = Vec::with_capacity(items.len() / 2 + 1);
-        let mut tree = Self { nodes, slots: items.len() as u32, centre, per_unit };
+        let mut tree = Self { nodes, slabs: Vec::new(), slots: items.len() as u32, centre, per_unit };
         let order: Vec<u32> = items.iter().map(|item| item.triangle).collect();
         let mut slot = 0;
         match branch {
@@ -89,6 +94,7 @@ impl Tree {
     /// The same tree over what has moved to these bounds, of each slot.
     pub fn fit(&mut self, bounds: impl Fn(u32) -> Bounds) {
         (self.centre, self.per_unit) = frame((0..self.slots).map(&bounds));
+        self.slabs.clear();
         // Children come after their parents.
         for own in (0..self.nodes.len()).rev() {
             for k in 0..4 {
@@ -114,6 +120,25 @@ impl Tree {
         }
     }
 
+    /// Lets a search pass over what is in a slab that is too far, until the tree is fitted again; `corners` are those of the
+    /// triangle in each slot.
+    pub fn add_slabs(&mut self, corners: impl Fn(u32) -> [Vec3; 3]) {
+        let placed = |slot| corners(slot).map(|p| (p - self.centre) * self.per_unit);
+        // Where what is below each node ends; children come after their parents.
+        let mut end = vec![self.slots; self.nodes.len()];
+        let mut slabs = Vec::with_capacity(self.nodes.len());
+        for (own, node) in self.nodes.iter().enumerate() {
+            let ends = [1, 2, 3, 4].map(|k| node.first.get(k).map_or(end[own], |&next| next.min(end[own])));
+            for (&child, end_of_child) in node.child.iter().zip(ends) {
+                if child & LEAF == 0 {
+                    end[child as usize] = end_of_child;
+                }
+            }
+            slabs.push(Slabs::around([0, 1, 2, 3].map(|k| (node.first[k]..ends[k]).map(&placed))));
+        }
+        self.slabs = slabs;
+    }
+
     /// A point, and the normal that what is found must face the way of; `None` for a normal without a direction.
     pub fn probe(&self, point: Vec3, facing: Option<Vec3>) -> Option<Probe> {
         let q = (point - self.centre) * self.per_unit;
@@ -128,7 +153,7 @@ impl Tree {
             None => None,
         };
         let is_far = q.abs().max_element() > FAR;
-        Some(Probe { place: q.to_array().map(|x| x as f32), is_far, facing })
+        Some(Probe { exact: q, place: q.to_array().map(|x| x as f32), is_far, facing })
     }
 
     /// Which slot holds the best, of which `at` tells its cost and whatever else: the square of a distance from the
@@ -139,7 +164,7 @@ impl Tree {
         limit: f64,
         at: impl FnMut(u32, f64) -> Option<(f64, T)>,
     ) -> Option<(f64, T)> {
-        let bound = |node: &Node, ()| (self.bound(node, probe), [(); 4]);
+        let bound = |own, ()| (self.bound(own, probe), [(); 4]);
         self.search(limit, self.per_unit * self.per_unit, (), bound, at)
     }
 
@@ -151,19 +176,25 @@ impl Tree {
         limit: f64,
         at: impl FnMut(u32, f64) -> Option<(f64, T)>,
     ) -> Option<(f64, T)> {
-        let bound = |node: &Node, all| {
-            let mut bound = self.bound(node, probe);
-            let shares = node.deal(slots, all, &mut bound);
+        let bound = |own: usize, all| {
+            let mut bound = self.bound(own, probe);
+            let shares = self.nodes[own].deal(slots, all, &mut bound);
             (bound, shares)
         };
         self.search(limit, self.per_unit * self.per_unit, [0, slots.len() as u32], bound, at)
     }
 
     #[inline]
-    fn bound(&self, node: &Node, probe: &Probe) -> [f32; 4] {
+    fn bound(&self, own: usize, probe: &Probe) -> [f32; 4] {
+        let node = &self.nodes[own];
         let mut bound = if probe.is_far { [0.0; 4] } else { node.outside(probe.place) };
         if let Some(facing) = probe.facing {
             node.pass_over(facing, &mut bound);
+        }
+        if let Some(slabs) = self.slabs.get(own)
+            && !probe.is_far
+        {
+            slabs.raise(probe.exact, &mut bound);
         }
         bound
     }
@@ -177,7 +208,8 @@ impl Tree {
         at: impl FnMut(u32, f64) -> Option<(f64, T)>,
     ) -> Option<(f64, T)> {
         let (origin, inverse) = ((origin - self.centre) * self.per_unit, direction.recip());
-        let bound = |node: &Node, ()| {
+        let bound = |own: usize, ()| {
+            let node = &self.nodes[own];
             let bound = std::array::from_fn(|k| {
                 let corner = |of: &[[f32; 4]; 3]| Vec3::from_array(of.map(|axis| f64::from(axis[k])));
                 let (low, high) = (corner(&node.low), corner(&node.high));
@@ -199,7 +231,7 @@ impl Tree {
         limit: f64,
         to_bounds: f64,
         all: S,
-        bound: impl Fn(&Node, S) -> ([f32; 4], [S; 4]),
+        bound: impl Fn(usize, S) -> ([f32; 4], [S; 4]),
         mut at: impl FnMut(u32, f64) -> Option<(f64, T)>,
     ) -> Option<(f64, T)> {
         let (mut best, mut least) = (None, limit);
@@ -221,10 +253,11 @@ impl Tree {
                 }
                 continue;
             }
-            let node = &self.nodes[child as usize];
-            let (bounds, shares) = bound(node, share);
+            let (bounds, shares) = bound(child as usize, share);
             let first = height;
-            for ((child, bounded), share) in node.child.into_iter().zip(bounds).zip(shares) {
+            for ((child, bounded), share) in
+                self.nodes[child as usize].child.into_iter().zip(bounds).zip(shares)
+            {
                 if child != NOTHING && bounded < limit {
                     // The nearest comes last, to be taken first.
                     let mut place = height;

@@ -108,10 +108,10 @@ fn one_of_many_cards_costs_as_much_however_many_there_are() {
             let beside = (low + high) * 0.5 + Vec3::new(0.1, -0.1, 0.0);
             let probe = tree.probe(beside, Some(normal)).unwrap();
             let own = slots.of(k);
-            let bound = |node: &Node, all| {
+            let bound = |node: usize, all| {
                 nodes.set(nodes.get() + 1);
                 let mut bound = tree.bound(node, &probe);
-                let shares = node.deal(own, all, &mut bound);
+                let shares = tree.nodes[node].deal(own, all, &mut bound);
                 (bound, shares)
             };
             let at = |_, _| None::<(f64, ())>;
@@ -121,4 +121,43 @@ fn one_of_many_cards_costs_as_much_however_many_there_are() {
     };
     let (few, many) = (cost(10), cost(80));
     assert!(few < 12.0 && many < 3.0 * few, "{few} nodes of 200 boxes looked into, {many} of 12800");
+}
+
+#[test]
+fn the_middle_of_a_round_body_is_as_far_from_few_as_from_all() {
+    let cost = |n: usize, slabs: bool| -> f64 {
+        let at = |i: usize, j: usize| {
+            let (u, v) = (i as f64 * 3.1 / n as f64 + 0.02, j as f64 * 6.28 / n as f64);
+            Vec3::new(u.sin() * v.cos(), u.sin() * v.sin(), 1.1 * u.cos())
+        };
+        let halves = (0..n * n).map(|k| (k / n, k % n)).flat_map(|(i, j)| {
+            [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
+        });
+        let triangles: Vec<[Vec3; 3]> = halves.collect();
+        let bounds = |[a, b, c]: &[Vec3; 3]| {
+            let normal = (*b - *a).cross(*c - *a).normalize_or_zero();
+            Bounds { place: [a.min(*b).min(*c), a.max(*b).max(*c)], normal }
+        };
+        let bounds: Vec<Bounds> = triangles.iter().map(bounds).collect();
+        let (mut tree, order) = Tree::new(&bounds, 0..bounds.len() as u32);
+        if slabs {
+            tree.add_slabs(|slot| triangles[order[slot as usize] as usize]);
+        }
+        let looked_at = Cell::new(0);
+        for k in 0..50 {
+            let way = Vec3::new((k as f64).sin(), (2.7 * k as f64).cos(), (1.9 * k as f64).sin()) * 0.02;
+            let squared = |[a, b, c]: [Vec3; 3]| {
+                a.distance_squared(way).min(b.distance_squared(way)).min(c.distance_squared(way))
+            };
+            let at = |slot: u32, _| {
+                looked_at.set(looked_at.get() + 1);
+                Some((squared(triangles[order[slot as usize] as usize]), ()))
+            };
+            let (least, ()) = tree.nearest(&tree.probe(way, None).unwrap(), f64::INFINITY, at).unwrap();
+            assert_eq!(least, triangles.iter().copied().map(squared).fold(f64::INFINITY, f64::min));
+        }
+        f64::from(looked_at.get()) / 50.0
+    };
+    let (with, without) = (cost(60, true), cost(60, false));
+    assert!(10.0 * with < without, "{with} of 7200 triangles looked at, {without} by boxes alone");
 }
