@@ -292,6 +292,28 @@ def test_row_39_responses_that_do_not_fit(method, monkeypatch):
     assert np.allclose(moved, VERTICES[handles] + (1, 0, 0), rtol=0, atol=1e-12), "and life goes on"
 
 
+def test_row_39_inputs_are_weighed_before_they_are_copied(monkeypatch):
+    """As they are by one copy, converted or from every other row by another."""
+    vertices, faces = np.zeros((10_000, 3)), np.zeros((20_000, 3), int)
+    for given, bytes_each in [
+        (vertices, 8),
+        (vertices.astype(np.float32), 16),
+        (vertices.astype(vertices.dtype.newbyteorder()), 16),
+        (np.repeat(vertices, 2, axis=0)[::2], 16),
+        (np.broadcast_to(np.zeros(3), vertices.shape), 16),
+    ]:
+        needed = bytes_each * vertices.size
+        monkeypatch.setenv("LISSOM_MEMORY_LIMIT", str(needed - 1))
+        with pytest.raises(lissom.OutOfMemory, match="a copy of vertices would take") as caught:
+            lissom.Mesh(given, faces)
+        assert (caught.value.needed, caught.value.available) == (needed, needed - 1)
+    monkeypatch.setenv("LISSOM_MEMORY_LIMIT", str(12 * faces.size - 1))
+    with pytest.raises(lissom.OutOfMemory, match="a copy of triangles would take"):
+        lissom.Mesh(vertices, faces.astype(np.int32))
+    with pytest.raises(lissom.InvalidMesh):
+        lissom.Mesh(vertices, faces)
+
+
 def test_row_39_a_limit_that_is_no_number(monkeypatch):
     monkeypatch.setenv("LISSOM_MEMORY_LIMIT", "much")
     with pytest.raises(lissom.InvalidValue, match="'much' is not a number of bytes"):

@@ -115,7 +115,7 @@ def test_row_39_more_times_than_fit(monkeypatch):
     monkeypatch.setenv("LISSOM_MEMORY_LIMIT", "1e5")
     with pytest.raises(lissom.OutOfMemory, match="the sampled path would take"):
         path.keyframes(1e-9)
-    monkeypatch.setenv("LISSOM_MEMORY_LIMIT", "1e3")
+    monkeypatch.setenv("LISSOM_MEMORY_LIMIT", "7e3")
     with pytest.raises(lissom.OutOfMemory, match="the factor would take"):
         lissom.Inbetween(mesh, vertices, vertices * 1.1)
 

@@ -107,7 +107,7 @@ def test_row_39_more_keys_than_fit(monkeypatch):
     transfer = lissom.Transfer(mesh, mesh, SAME)
     monkeypatch.setenv("LISSOM_MEMORY_LIMIT", "1e6")
     with pytest.raises(lissom.OutOfMemory, match=r"the keys would take 1\.8 MB") as caught:
-        transfer.apply(np.broadcast_to(VERTICES, (100, *VERTICES.shape)))
+        transfer.apply(np.repeat(VERTICES[None], 100, axis=0))
     assert (caught.value.needed, caught.value.available) == (2 * 24 * len(VERTICES) * 100, 10**6)
     assert np.array_equal(transfer.apply([VERTICES]).vertices[0], VERTICES)
 

@@ -1,8 +1,10 @@
 //! Array checks, in one place: every message names the argument.
 
 use lissom::mesh::Plane;
-use lissom::{Error, Fault, Mat4, Vec3};
-use numpy::{PyArray, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
+use lissom::{Error, Fault, Mat4, Vec3, memory};
+use numpy::{
+    PyArray, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods,
+};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -16,7 +18,8 @@ enum Kind {
     Index,
 }
 
-/// Converts to a contiguous array of the native element type.
+/// Converts to a contiguous array of the native element type. Refuses what there is no room for: that array where it is
+/// not given as such, and our copy of it.
 fn native<'py>(
     name: &str,
     value: &Bound<'py, PyAny>,
@@ -29,15 +32,19 @@ fn native<'py>(
     })?;
     let array = array.cast_into::<PyUntypedArray>()?;
     let letter: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
-    let (taken, wanted, native) = match kind {
-        Kind::Float => ("fiu", "floating point numbers", "float64"),
-        Kind::Index => ("iu", "integers", "int64"),
+    let (taken, wanted, native, copied) = match kind {
+        Kind::Float => ("fiu", "floating point numbers", numpy::dtype::<f64>(py), size_of::<f64>()),
+        Kind::Index => ("iu", "integers", numpy::dtype::<i64>(py), size_of::<u32>()),
     };
     // An empty list has no type of its own.
     if !taken.contains(&letter) && array.len() > 0 {
         let found = array.getattr("dtype")?;
         return Err(PyTypeError::new_err(format!("{name}: expected {wanted}, got {found}")));
     }
+    let is_native = array.dtype().is_equiv_to(&native) && array.is_c_contiguous();
+    let each = copied + if is_native { 0 } else { native.itemsize() };
+    memory::check(format!("a copy of {name}"), each as u128 * array.len() as u128)
+        .map_err(errors::to_python)?;
     let options = PyDict::new(py);
     options.set_item("order", "C")?;
     options.set_item("copy", false)?;
@@ -63,33 +70,37 @@ fn expect_shape(name: &str, shape: &[usize], expected: &[i64]) -> PyResult<()> {
     Err(PyValueError::new_err(message))
 }
 
-fn floats(name: &str, value: &Bound<'_, PyAny>, expected: &[i64]) -> PyResult<(Vec<usize>, Vec<f64>)> {
-    let (shape, array) = native(name, value, Kind::Float)?;
-    expect_shape(name, &shape, expected)?;
-    let array = array.cast_into::<PyArrayDyn<f64>>()?;
-    Ok((shape, array.try_readonly()?.as_slice()?.to_vec()))
-}
-
-/// Indices as given; one that does not fit 32 bits is refused by the class that `invalid` makes.
-fn indices(
+/// What `take` makes of a shape and of all numbers in one row.
+fn floats<T>(
     name: &str,
     value: &Bound<'_, PyAny>,
     expected: &[i64],
+    take: impl FnOnce(&[usize], &[f64]) -> T,
+) -> PyResult<T> {
+    let (shape, array) = native(name, value, Kind::Float)?;
+    expect_shape(name, &shape, expected)?;
+    let array = array.cast_into::<PyArrayDyn<f64>>()?;
+    Ok(take(&shape, array.try_readonly()?.as_slice()?))
+}
+
+/// Rows of indices as given; one that does not fit 32 bits is refused by the class that `invalid` makes.
+fn indices<const N: usize>(
+    name: &str,
+    value: &Bound<'_, PyAny>,
     invalid: fn(Fault) -> Error,
-) -> PyResult<Vec<u32>> {
+) -> PyResult<Vec<[u32; N]>> {
     let (shape, array) = native(name, value, Kind::Index)?;
     if shape != [0] {
-        expect_shape(name, &shape, expected)?;
+        expect_shape(name, &shape, if N == 1 { &[-1] } else { &[-1, N as i64] })?;
     }
     let array = array.cast_into::<PyArrayDyn<i64>>()?;
     let array = array.try_readonly()?;
-    let values = array.as_slice()?;
-    let row = expected.iter().skip(1).product::<i64>().max(1) as usize;
-    let bad = values.chunks(row).enumerate().filter(|(_, r)| r.iter().any(|&v| u32::try_from(v).is_err()));
+    let (rows, _) = array.as_slice()?.as_chunks::<N>();
+    let bad = rows.iter().enumerate().filter(|(_, r)| r.iter().any(|&v| u32::try_from(v).is_err()));
     if let Some(fault) = Fault::at(name, "index negative or too large", bad.map(|(i, _)| i)) {
         return Err(errors::to_python(invalid(fault)));
     }
-    Ok(values.iter().map(|&v| v as u32).collect())
+    Ok(rows.iter().map(|row| row.map(|v| v as u32)).collect())
 }
 
 fn to_points(values: &[f64]) -> Vec<Vec3> {
@@ -98,64 +109,64 @@ fn to_points(values: &[f64]) -> Vec<Vec3> {
 
 /// (n, 3) positions.
 pub fn points(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3>> {
-    Ok(to_points(&floats(name, value, &[-1, 3])?.1))
+    floats(name, value, &[-1, 3], |_, values| to_points(values))
 }
 
 /// (k, n, 3) poses of n vertices.
 pub fn poses(name: &str, value: &Bound<'_, PyAny>, vertices: usize) -> PyResult<Vec<Vec<Vec3>>> {
-    let n = vertices as i64;
-    if matches!(native(name, value, Kind::Float)?.0.as_slice(), [0]) {
+    // No poses at all have no vertices either.
+    if value.len().is_ok_and(|count| count == 0) && value.getattr("ndim").map_or(Ok(1), |n| n.extract())? == 1
+    {
         return Ok(Vec::new());
     }
-    let (_, values) = floats(name, value, &[-1, n, 3])?;
-    Ok(values.chunks_exact(3 * vertices.max(1)).map(to_points).collect())
+    floats(name, value, &[-1, vertices as i64, 3], |_, values| {
+        values.chunks_exact(3 * vertices.max(1)).map(to_points).collect()
+    })
 }
 
 /// (k, n, 3) offsets of however many vertices.
 pub fn modes(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<Vec3>>> {
-    let (shape, values) = floats(name, value, &[-1, -1, 3])?;
-    Ok(values.chunks_exact(3 * shape[1].max(1)).map(to_points).collect())
+    floats(name, value, &[-1, -1, 3], |shape, values| {
+        values.chunks_exact(3 * shape[1].max(1)).map(to_points).collect()
+    })
 }
 
 /// (n, k) or (n, 3, k) numbers, whose first axes are `of`; k, and all of them in one row.
 pub fn channels(name: &str, value: &Bound<'_, PyAny>, of: &[usize]) -> PyResult<(usize, Vec<f64>)> {
     let expected: Vec<i64> = of.iter().map(|&d| d as i64).chain([-1]).collect();
-    let (shape, values) = floats(name, value, &expected)?;
-    Ok((shape[of.len()], values))
+    floats(name, value, &expected, |shape, values| (shape[of.len()], values.to_vec()))
 }
 
 /// (h, w) numbers; w, and all of them row by row.
 pub fn grid(name: &str, value: &Bound<'_, PyAny>) -> PyResult<(usize, Vec<f64>)> {
-    let (shape, values) = floats(name, value, &[-1, -1])?;
-    Ok((shape[1], values))
+    floats(name, value, &[-1, -1], |shape, values| (shape[1], values.to_vec()))
 }
 
 /// (h, 4, 4) matrices, row by row as numpy has them.
 pub fn matrices(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Mat4>> {
-    let (_, values) = floats(name, value, &[-1, 4, 4])?;
-    Ok(values.chunks_exact(16).map(|m| Mat4::from_cols_slice(m).transpose()).collect())
+    floats(name, value, &[-1, 4, 4], |_, values| {
+        values.chunks_exact(16).map(|m| Mat4::from_cols_slice(m).transpose()).collect()
+    })
 }
 
 /// (k,) numbers.
 pub fn numbers(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    Ok(floats(name, value, &[-1])?.1)
+    floats(name, value, &[-1], |_, values| values.to_vec())
 }
 
 /// (m, 3) vertex indices.
 pub fn triangles(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
-    let values = indices(name, value, &[-1, 3], Error::InvalidMesh)?;
-    Ok(values.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect())
+    indices(name, value, Error::InvalidMesh)
 }
 
 /// (k, 2) pairs of indices.
 pub fn pairs(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 2]>> {
-    let values = indices(name, value, &[-1, 2], Error::InvalidConstraint)?;
-    Ok(values.chunks_exact(2).map(|p| [p[0], p[1]]).collect())
+    indices(name, value, Error::InvalidConstraint)
 }
 
 /// (k,) vertex indices.
 pub fn vertex_list(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
-    indices(name, value, &[-1], Error::InvalidConstraint)
+    Ok(indices::<1>(name, value, Error::InvalidConstraint)?.into_flattened())
 }
 
 /// A sequence of (k,) vertex index arrays.

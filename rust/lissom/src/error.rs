@@ -1,5 +1,6 @@
 //! Typed errors that carry the argument, the first offending indices and their number.
 
+use std::borrow::Cow;
 use std::fmt;
 
 /// How many offending indices a message shows.
@@ -82,7 +83,7 @@ pub enum Error {
     #[error("{what} would take {}, there are {} left", amount(*needed), amount(*available))]
     OutOfMemory {
         /// What was to be allocated.
-        what: &'static str,
+        what: Cow<'static, str>,
         /// Bytes that it takes.
         needed: u64,
         /// Bytes that there are.

@@ -3,6 +3,8 @@
 //! An allocation that is too large does not fail on most systems: the process is ended when it writes there,
 //! and the unsaved work of the application around it is lost.
 
+use std::borrow::Cow;
+
 use sysinfo::{MemoryRefreshKind, System};
 
 use crate::{Error, Fault, Result};
@@ -19,14 +21,14 @@ const SMALL: u64 = 16 << 20;
 /// # Errors
 ///
 /// [`Error::OutOfMemory`]; [`Error::InvalidValue`] where [`LIMIT`] is set to anything but a number.
-pub fn check(what: &'static str, bytes: u128) -> Result<()> {
+pub fn check(what: impl Into<Cow<'static, str>>, bytes: u128) -> Result<()> {
     let needed = u64::try_from(bytes).unwrap_or(u64::MAX);
     let available = match std::env::var(LIMIT) {
         Ok(limit) => parse(&limit)?,
         Err(_) if needed < SMALL => return Ok(()),
         Err(_) => available(),
     };
-    if needed > available { Err(Error::OutOfMemory { what, needed, available }) } else { Ok(()) }
+    if needed > available { Err(Error::OutOfMemory { what: what.into(), needed, available }) } else { Ok(()) }
 }
 
 fn parse(limit: &str) -> Result<u64> {
@@ -57,7 +59,7 @@ mod tests {
     fn row_39_more_than_any_machine_has_is_refused_with_the_numbers() {
         let error = check("the test", u128::MAX).unwrap_err();
         let Error::OutOfMemory { what, needed, available } = &error else { panic!("{error}") };
-        assert_eq!((*what, *needed), ("the test", u64::MAX));
+        assert_eq!((&**what, *needed), ("the test", u64::MAX));
         assert!((SMALL..u64::MAX).contains(available), "this machine has {available}");
         assert!(error.to_string().starts_with("the test would take 18446744073.7 GB, there are "));
         assert!(check("little", 1 << 20).is_ok());

@@ -9,9 +9,11 @@
 //! | [`polyline`] | paths and loops by arc length |
 //! | [`plane`] | mirror images and twins |
 //! | [`surface`], [`tree`], [`ray`] | closest points, barycentric coordinates, exits of rays; and how they are found |
-//! | [`solid`], [`body`] | inside and outside; how deep |
+//! | [`boxes`] | which of many a point is near |
+//! | [`solid`], [`bodies`] | inside and outside; how deep |
 
-pub mod body;
+pub mod bodies;
+pub mod boxes;
 pub mod frame;
 pub mod groups;
 pub mod plane;

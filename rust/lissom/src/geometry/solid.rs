@@ -1,16 +1,21 @@
 //! The inside of a closed surface, by the sign of the distance to it.
 //!
-//! The sign is that of the pseudo-normal of the face, edge or vertex that is nearest (Bærentzen & Aanæs 2005,
-//! Signed Distance Computation Using the Angle Weighted Pseudonormal); parry has them.
+//! The sign is that of the pseudo-normal of the face, edge or vertex that is nearest: at an edge the sum of the normals of
+//! its faces, at a vertex that weighted by their angles (Bærentzen & Aanæs 2005, Signed Distance Computation Using the Angle
+//! Weighted Pseudonormal).
 
-use parry3d_f64::query::PointQueryWithLocation;
-use parry3d_f64::shape::{TriMesh, TriMeshFlags, TrianglePointLocation};
-
-use super::surface::Hit;
+use super::surface::{Hit, Surface};
 use crate::Vec3;
 
 /// A closed surface whose triangles face outwards.
-pub struct Solid(TriMesh);
+pub struct Solid {
+    surface: Surface,
+    triangles: Vec<[u32; 3]>,
+    /// Pseudo-normals of the vertices ...
+    at_vertices: Vec<Vec3>,
+    /// ... and, of each triangle, of the edges opposite to its corners.
+    at_edges: Vec<[Vec3; 3]>,
+}
 
 /// The nearest point of the surface.
 #[derive(Debug, Clone, Copy)]
@@ -25,47 +30,61 @@ pub struct SignedDistance {
 
 impl Solid {
     /// `None` without triangles.
-    pub fn new(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Option<Self> {
-        TriMesh::with_flags(vertices, triangles, TriMeshFlags::ORIENTED).ok().map(Self)
+    pub fn new(vertices: &[Vec3], triangles: Vec<[u32; 3]>) -> Option<Self> {
+        if triangles.is_empty() {
+            return None;
+        }
+        let normals: Vec<Vec3> = triangles.iter().map(|t| normal(t.map(|v| vertices[v as usize]))).collect();
+        let mut at_vertices = vec![Vec3::ZERO; vertices.len()];
+        for (t, &normal) in triangles.iter().zip(&normals) {
+            for k in 0..3 {
+                let [at, next, last] = [0, 1, 2].map(|i| vertices[t[(k + i) % 3] as usize]);
+                if normal != Vec3::ZERO {
+                    at_vertices[t[k] as usize] += normal * (next - at).angle_between(last - at);
+                }
+            }
+        }
+        let edge = |t: &[u32; 3], k: usize| {
+            let (a, b) = (t[(k + 1) % 3], t[(k + 2) % 3]);
+            [a.min(b), a.max(b)]
+        };
+        let mut sides: Vec<([u32; 2], u32, usize)> = (0u32..)
+            .zip(&triangles)
+            .flat_map(|(t, corners)| [0, 1, 2].map(|k| (edge(corners, k), t, k)))
+            .collect();
+        sides.sort_unstable();
+        let mut at_edges = vec![[Vec3::ZERO; 3]; triangles.len()];
+        for sides in sides.chunk_by(|a, b| a.0 == b.0) {
+            let sum: Vec3 = sides.iter().map(|&(_, t, _)| normals[t as usize]).sum();
+            sides.iter().for_each(|&(_, t, k)| at_edges[t as usize][k] = sum);
+        }
+        let surface = Surface::of(&triangles, vertices).with_slabs();
+        Some(Self { surface, triangles, at_vertices, at_edges })
     }
 
     /// The side of a point that is within `reach` of the surface.
     pub fn side(&self, point: Vec3, reach: f64) -> Option<SignedDistance> {
-        let (nearest, (triangle, location)) =
-            self.0.project_local_point_and_get_location_with_max_dist(point, false, reach)?;
-        let distance = nearest.point.distance(point);
-        // Only what has no surface has places that are on no triangle.
-        let weights =
-            location.barycentric_coordinates().map_or(Vec3::X, |weights| Vec3::from(weights).max(Vec3::ZERO));
-        Some(SignedDistance {
-            signed_distance: if nearest.is_inside { -distance } else { distance },
-            hit: Hit { triangle: triangle as usize, point: nearest.point, weights, distance },
-            out: self.0.triangle(triangle).scaled_normal().normalize_or_zero(),
-        })
+        let hit = self.surface.closest_point_within(point, reach)?;
+        let corners = self.triangles[hit.triangle];
+        let vertex = (0..3).find(|&k| hit.weights[k] == 1.0).map(|k| self.at_vertices[corners[k] as usize]);
+        let edge = || (0..3).find(|&k| hit.weights[k] == 0.0).map(|k| self.at_edges[hit.triangle][k]);
+        let face = normal(self.surface.corners(hit.triangle));
+        let out = vertex.or_else(edge).unwrap_or(face);
+        let is_inside = (point - hit.point).dot(out) <= 0.0;
+        let signed_distance = if is_inside { -hit.distance } else { hit.distance };
+        Some(SignedDistance { signed_distance, hit, out: face })
     }
 
-    /// Whether a point is inside, whose nearest point of the surface is at a place of a triangle.
-    pub(super) fn is_behind(
-        &self,
-        point: Vec3,
-        nearest: Vec3,
-        triangle: u32,
-        location: TrianglePointLocation,
-    ) -> bool {
-        let normals = self.0.pseudo_normals();
-        let at_vertex = |k: u32| {
-            let vertex = self.0.indices()[triangle as usize][k as usize];
-            normals.and_then(|normals| normals.vertices_pseudo_normal.get(vertex as usize)).copied()
-        };
-        let normal = match location {
-            TrianglePointLocation::OnVertex(k) => at_vertex(k),
-            TrianglePointLocation::OnEdge(k, _) => normals
-                .and_then(|normals| normals.edges_pseudo_normal.get(triangle as usize))
-                .map(|of| of[k as usize]),
-            _ => Some(self.0.triangle(triangle).scaled_normal()),
-        };
-        normal.is_some_and(|normal| (point - nearest).dot(normal) <= 0.0 && point != nearest)
+    /// How deep a point is inside, and the nearest point of the surface; `None` outside.
+    pub fn depth(&self, point: Vec3) -> Option<(f64, Vec3)> {
+        let side = self.side(point, f64::INFINITY)?;
+        (side.signed_distance < 0.0).then_some((-side.signed_distance, side.hit.point))
     }
+}
+
+/// The unit normal of a triangle; zero where it has no area.
+fn normal([a, b, c]: [Vec3; 3]) -> Vec3 {
+    (b - a).cross(c - a).normalize_or_zero()
 }
 
 #[cfg(test)]
@@ -74,13 +93,9 @@ mod tests {
 
     /// A tetrahedron with a long thin spike: normals of single triangles would mistake the side beyond its tip.
     fn spike() -> Solid {
-        let vertices = vec![
-            Vec3::new(0.0, 1.0, 0.0),
-            Vec3::new(0.0, -0.5, 0.8),
-            Vec3::new(0.0, -0.5, -0.8),
-            Vec3::X * 9.0,
-        ];
-        Solid::new(vertices, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).unwrap()
+        let vertices =
+            [Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, -0.5, 0.8), Vec3::new(0.0, -0.5, -0.8), Vec3::X * 9.0];
+        Solid::new(&vertices, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).unwrap()
     }
 
     #[test]

@@ -14,7 +14,7 @@
 use rayon::prelude::*;
 
 use super::shapes::Shapes;
-use crate::geometry::body::Body;
+use crate::geometry::bodies::Bodies;
 use crate::linear::{ConstrainedSystem, Constraints};
 use crate::{Error, Fault, Job, Mesh, Result, Vec3};
 
@@ -59,15 +59,15 @@ impl Clearance {
         for (t, shape) in [0.0, 1.0].into_iter().zip(ends) {
             let bodies = new.bodies(t, job)?;
             let depths: Vec<f64> =
-                shape.par_iter().map(|&p| deepest(&bodies, p).map_or(0.0, |hit| hit.0)).collect();
+                shape.par_iter().map(|&p| bodies.deepest(p).map_or(0.0, |hit| hit.0)).collect();
             new.allowed.iter_mut().zip(depths).for_each(|(a, d)| *a = a.max(d));
         }
         Ok(new)
     }
 
     /// The obstacle where it is at time `t`.
-    fn bodies(&self, t: f64, job: &Job) -> Result<Vec<Body>> {
-        Ok(Body::parts(&(self.at)(t, job)?, &self.triangles))
+    fn bodies(&self, t: f64, job: &Job) -> Result<Bodies> {
+        Ok(Bodies::parts(&(self.at)(t, job)?, &self.triangles))
     }
 
     /// Moves `y` so that no vertex of the shape is too deep at time `t`.
@@ -95,7 +95,7 @@ impl Clearance {
                 if stationary(v) || mesh.representative(v as u32) != v as u32 {
                     return None;
                 }
-                let (depth, nearest) = deepest(&bodies, x[v])?;
+                let (depth, nearest) = bodies.deepest(x[v])?;
                 let allowed = self.allowed[v];
                 (depth > allowed + self.offence)
                     .then(|| (v, nearest + (x[v] - nearest) * (allowed / depth) - x[v]))
@@ -130,9 +130,4 @@ impl Clearance {
         }
         Ok(())
     }
-}
-
-/// How deep a point is in the solid that it is deepest in, and the nearest point of that one's surface; `None` outside.
-fn deepest(bodies: &[Body], p: Vec3) -> Option<(f64, Vec3)> {
-    bodies.iter().filter_map(|body| body.depth(p)).max_by(|a, b| a.0.total_cmp(&b.0))
 }

@@ -15,6 +15,7 @@
 
 use rayon::prelude::*;
 
+use crate::geometry::boxes::Boxes;
 use crate::geometry::solid::{SignedDistance, Solid};
 use crate::{Mesh, Vec3};
 
@@ -55,6 +56,19 @@ pub struct Obstacles {
     areas: Vec<f64>,
 }
 
+/// The solids where a key takes them.
+struct Posed<'a> {
+    solids: Vec<(&'a Obstacle, Solid)>,
+    boxes: Boxes,
+}
+
+impl Posed<'_> {
+    /// Those that a point may be within `reach` of, or in.
+    fn near(&self, point: Vec3, reach: f64) -> impl Iterator<Item = &(&Obstacle, Solid)> {
+        self.boxes.within(point, reach).into_iter().map(|k| &self.solids[k])
+    }
+}
+
 /// A component that keeps others out.
 struct Obstacle {
     component: usize,
@@ -71,15 +85,14 @@ impl Obstacle {
         vertices.dedup();
         let place = |v: u32| vertices.partition_point(|&w| w < v) as u32;
         let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(place)).collect();
-        let rest = vertices.iter().map(|&v| mesh.rest()[v as usize]).collect();
-        let rest = Solid::new(rest, triangles.clone())?;
+        let rest: Vec<Vec3> = vertices.iter().map(|&v| mesh.rest()[v as usize]).collect();
+        let rest = Solid::new(&rest, triangles.clone())?;
         Some(Self { component, vertices, triangles, rest })
     }
 
-    /// Where it is once `displacements` are on.
-    fn posed(&self, mesh: &Mesh, displacements: &[Vec3]) -> Option<Solid> {
-        let at = |&v: &u32| mesh.rest()[v as usize] + displacements[v as usize];
-        Solid::new(self.vertices.iter().map(at).collect(), self.triangles.clone())
+    /// Where its vertices are once `displacements` are on.
+    fn posed<'a>(&'a self, mesh: &'a Mesh, displacements: &'a [Vec3]) -> impl Iterator<Item = Vec3> + 'a {
+        self.vertices.iter().map(|&v| mesh.rest()[v as usize] + displacements[v as usize])
     }
 
     /// What `values` at the vertices of the mesh are at a place of this surface.
@@ -121,8 +134,14 @@ impl Obstacles {
     }
 
     /// The solids where `displacements` take them.
-    fn posed(&self, mesh: &Mesh, displacements: &[Vec3]) -> Vec<(&Obstacle, Solid)> {
-        self.solids.iter().filter_map(|solid| Some((solid, solid.posed(mesh, displacements)?))).collect()
+    fn posed(&self, mesh: &Mesh, displacements: &[Vec3]) -> Posed<'_> {
+        let posed = |of: &Obstacle| {
+            let at: Vec<Vec3> = of.posed(mesh, displacements).collect();
+            Solid::new(&at, of.triangles.clone())
+        };
+        let solids: Vec<_> = self.solids.iter().filter_map(|of| Some((of, posed(of)?))).collect();
+        let boxes = Boxes::around(solids.iter().map(|(of, _)| of.posed(mesh, displacements)));
+        Posed { solids, boxes }
     }
 
     /// For each point of a component, given with a vertex of it, how far it is outside of the solids once
@@ -137,7 +156,7 @@ impl Obstacles {
         let of = |point: &Option<(u32, Vec3)>| {
             let (vertex, point) = (*point)?;
             let own = mesh.components().of_vertex(vertex as usize)?;
-            let near = posed.iter().filter(|(solid, _)| self.gives_way(own, solid));
+            let near = posed.near(point, REACH).filter(|(solid, _)| self.gives_way(own, solid));
             near.filter_map(|(_, posed)| Some(posed.side(point, REACH)?.signed_distance))
                 .min_by(f64::total_cmp)
         };
@@ -157,7 +176,7 @@ impl Obstacles {
             let d = displacements[v as usize];
             let own = target.components().of_vertex(v as usize).filter(|_| d != Vec3::ZERO)?;
             let at = rest[v as usize];
-            let near = posed.iter().filter(|(solid, _)| self.gives_way(own, solid));
+            let near = posed.near(at + d, CLEAR).filter(|(solid, _)| self.gives_way(own, solid));
             let short = near.filter_map(|(solid, posed)| {
                 let now = posed.side(at + d, REACH).filter(|now| now.signed_distance < CLEAR)?;
                 let wanted = match least[v as usize] {

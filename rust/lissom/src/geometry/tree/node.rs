@@ -19,15 +19,17 @@ pub struct Node {
     /// ... those of the normals in them, ...
     pub normal_low: [[f32; 4]; 3],
     pub normal_high: [[f32; 4]; 3],
-    /// ... and which they are.
+    /// ... which they are, ...
     pub child: [u32; 4],
+    /// ... and the first slot below each.
+    pub first: [u32; 4],
 }
 
 impl Node {
     /// No children yet.
     pub fn nothing() -> Self {
         let (low, high) = ([[f32::INFINITY; 4]; 3], [[f32::NEG_INFINITY; 4]; 3]);
-        Self { low, high, normal_low: low, normal_high: high, child: [NOTHING; 4] }
+        Self { low, high, normal_low: low, normal_high: high, child: [NOTHING; 4], first: [NOTHING; 4] }
     }
 
     /// The boxes around all children.
@@ -89,6 +91,25 @@ impl Node {
             near[k] = if met { near[k] * (1.0 - PAD) } else { f32::INFINITY };
         }
         near
+    }
+
+    /// Deals out slots below the node, which ascend, to the children that they are below; where among all they begin and
+    /// end is what comes in and goes out.
+    #[inline]
+    pub fn deal(&self, slots: &[u32], [begin, end]: [u32; 2], bound: &mut [f32; 4]) -> [[u32; 2]; 4] {
+        let mut shares = [[end; 2]; 4];
+        let mut from = begin;
+        for k in 0..4 {
+            let next = self.first.get(k + 1).copied().unwrap_or(NOTHING);
+            let own = &slots[from as usize..end as usize];
+            let to = from + own.partition_point(|&slot| slot < next) as u32;
+            shares[k] = [from, to];
+            if from == to {
+                bound[k] = f32::INFINITY;
+            }
+            from = to;
+        }
+        shares
     }
 
     /// Leaves out the children in which nothing faces the way of a normal.

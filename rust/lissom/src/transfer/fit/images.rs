@@ -31,10 +31,9 @@ pub fn images(
     reach: f64,
     job: &Job,
 ) -> Result<Vec<Option<SurfacePoint>>> {
-    let surface = &on.surface;
     of_vertices(of, job, |v, component| {
-        let accept = |s: usize| partner[component].is_none_or(|partner| on.side.component[s] == partner);
-        let hit = surface.closest_compatible_point_on(of.positions[v], of.normals[v], reach, accept)?;
+        let (point, normal) = (of.positions[v], of.normals[v]);
+        let hit = on.surface.closest_compatible_point_of(partner[component], point, normal, reach)?;
         Some(SurfacePoint { triangle: hit.triangle as u32, weights: hit.weights })
     })
 }

@@ -32,14 +32,14 @@ impl Placed<'_> {
             let (at, normal) = (self.surface.centroid(t), self.surface.normal(t));
             // Reach is measured to the surface, since centroids of large triangles are far from anything; where the nearest
             // is within reach all the same, so is the surface.
-            let look = |accept: &(dyn Fn(usize) -> bool + Sync)| {
-                let near = other.surface.closest_compatible_centroid(at, normal, reach, accept);
+            let look = |part: Option<u32>| {
+                let near = other.surface.closest_compatible_centroid_of(part, at, normal, reach);
                 if near.is_some() {
                     return near;
                 }
-                let hit = other.surface.closest_compatible_point_on(at, normal, reach, accept)?;
+                let hit = other.surface.closest_compatible_point_of(part, at, normal, reach)?;
                 let within = other.surface.centroid(hit.triangle).distance(at) * (1.0 + f64::EPSILON);
-                other.surface.closest_compatible_centroid(at, normal, within, accept).or(Some(hit))
+                other.surface.closest_compatible_centroid_of(part, at, normal, within).or(Some(hit))
             };
             let partner = partner[self.side.component[t] as usize];
             if let Some(before) = before {
@@ -48,9 +48,7 @@ impl Placed<'_> {
                     return before[t];
                 }
             }
-            let hit = partner
-                .and_then(|partner| look(&|s| other.side.component[s] == partner))
-                .or_else(|| look(&|_| true));
+            let hit = partner.and_then(|_| look(partner)).or_else(|| look(None));
             hit.map(|hit| hit.triangle as u32)
         })
     }

@@ -1,6 +1,8 @@
 //! One of the two meshes of a fit: what of it matches nothing, where its border is, and its surface where the fit
 //! has put it.
 
+use rayon::prelude::*;
+
 use super::component_pairs::triangle_components;
 use crate::geometry::surface::{Hit, Surface};
 use crate::geometry::triangle::vertex_normals;
@@ -19,6 +21,8 @@ pub struct Side<'a> {
     pub masked_vertex: Vec<bool>,
     /// ... and triangles with such a corner.
     pub masked: Vec<bool>,
+    /// Triangles that another one before them is too: found through that one, or each search finds all of them.
+    repeated: Vec<bool>,
     /// Of each triangle, the corners opposite to an edge that no other triangle has.
     open: Vec<[bool; 3]>,
     /// Vertices of such edges.
@@ -47,13 +51,14 @@ impl<'a> Side<'a> {
             ends.iter().for_each(|&v| border[v as usize] = true);
             (0..3).for_each(|k| open[t][k] |= !ends.contains(&mesh.triangles()[t][k]));
         }
-        Ok(Self { mesh, component: triangle_components(mesh), masked_vertex, masked, open, border })
+        let (component, repeated) = (triangle_components(mesh), repeated(mesh.triangles()));
+        Ok(Self { mesh, component, masked_vertex, masked, repeated, open, border })
     }
 
     /// The same of a mesh with the same triangles.
     pub fn of<'b>(self, mesh: &'b Mesh) -> Side<'b> {
-        let Self { component, masked_vertex, masked, open, border, .. } = self;
-        Side { mesh, component, masked_vertex, masked, open, border }
+        let Self { component, masked_vertex, masked, repeated, open, border, .. } = self;
+        Side { mesh, component, masked_vertex, masked, repeated, open, border }
     }
 
     /// Whether a vertex is on the border of the mesh.
@@ -67,6 +72,16 @@ impl<'a> Side<'a> {
         let at_corner = |k: usize| weights[k] > 1.0 - ON_EDGE && self.border[corners[k] as usize];
         (0..3).any(|k| (self.open[triangle][k] && weights[k] < ON_EDGE) || at_corner(k))
     }
+}
+
+/// Which triangles are, from another corner on perhaps, what one before them is.
+fn repeated(triangles: &[[u32; 3]]) -> Vec<bool> {
+    let from_least = |&[a, b, c]: &[u32; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min();
+    let mut sorted: Vec<_> = triangles.iter().map(from_least).zip(0usize..).collect();
+    sorted.par_sort_unstable();
+    let mut repeated = vec![false; triangles.len()];
+    sorted.windows(2).for_each(|pair| repeated[pair[1].1] = pair[0].0 == pair[1].0);
+    repeated
 }
 
 /// A side where the fit has put it.
@@ -97,7 +112,7 @@ impl<'a> Placed<'a> {
             }
             None => {
                 let corners = triangles.iter().map(|t| t.map(|v| positions[v as usize])).collect();
-                Surface::where_open(corners, |t| !side.masked[t])
+                Surface::in_parts(corners, |t| !side.masked[t] && !side.repeated[t], &side.component)
             }
         };
         let (surface, normals) = rayon::join(surface, || vertex_normals(triangles, positions));
@@ -114,13 +129,11 @@ impl<'a> Placed<'a> {
         partner: Option<u32>,
         detour: f64,
     ) -> Option<Hit> {
-        let (surface, component) = (&self.surface, &self.side.component);
-        let any = surface.closest_compatible_point_on(point, normal, reach, |_| true)?;
+        let closest = |part, reach| self.surface.closest_compatible_point_of(part, point, normal, reach);
+        let any = closest(None, reach)?;
         match partner {
-            Some(partner) if component[any.triangle] != partner => {
-                let accept = |t: usize| component[t] == partner;
-                let further = any.distance + detour;
-                surface.closest_compatible_point_on(point, normal, further, accept).or(Some(any))
+            Some(own) if self.side.component[any.triangle] != own => {
+                closest(partner, any.distance + detour).or(Some(any))
             }
             _ => Some(any),
         }
@@ -132,5 +145,16 @@ impl<'a> Placed<'a> {
         let blend: Vec3 =
             (0..3).map(|k| self.normals[corners[k] as usize].normalize_or_zero() * weights[k]).sum();
         blend.try_normalize().unwrap_or(self.surface.normal(triangle))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_triangle_is_repeated_from_any_corner_on_but_not_by_its_other_side() {
+        let triangles = [[0, 1, 2], [1, 2, 3], [2, 0, 1], [0, 2, 1], [1, 2, 0], [3, 1, 2]];
+        assert_eq!(repeated(&triangles), [false, false, true, false, true, true]);
     }
 }

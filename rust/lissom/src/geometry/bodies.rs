@@ -1,0 +1,110 @@
+//! Bodies: closed surfaces in which something may be, and how deep.
+
+use super::boxes::Boxes;
+use super::groups::Groups;
+use super::rows::Rows;
+use super::solid::Solid;
+use crate::Vec3;
+
+/// Bodies, each for itself: where they overlap, what is in any of them is inside.
+pub struct Bodies {
+    solids: Vec<Solid>,
+    boxes: Boxes,
+}
+
+impl Bodies {
+    /// The connected parts of `triangles`, which face outwards.
+    pub fn parts(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+        let joined = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [a, c]]);
+        let groups = Groups::joining(vertices.len(), joined);
+        let part = |t: &[u32; 3]| groups.of()[t[0] as usize];
+        let of_part = Rows::sort(groups.count(), triangles.iter().map(|t| (part(t), *t)));
+        let mut place = vec![0u32; vertices.len()];
+        let members = groups.members();
+        for part in members.iter() {
+            (0u32..).zip(part).for_each(|(k, &v)| place[v as usize] = k);
+        }
+        let solid = |(part, own): (&[u32], &[[u32; 3]])| {
+            let corners = own.iter().map(|t| t.map(|v| place[v as usize])).collect();
+            let at: Vec<Vec3> = part.iter().map(|&v| vertices[v as usize]).collect();
+            Some((Solid::new(&at, corners)?, at))
+        };
+        let (solids, points): (Vec<Solid>, Vec<Vec<Vec3>>) =
+            members.iter().zip(of_part.iter()).filter_map(solid).unzip();
+        Self { solids, boxes: Boxes::around(points) }
+    }
+
+    /// How deep a point is in the body that it is deepest in, and the nearest point of that one's surface; `None` outside.
+    pub fn deepest(&self, point: Vec3) -> Option<(f64, Vec3)> {
+        let depths = self.boxes.within(point, 0.0).into_iter().filter_map(|k| self.solids[k].depth(point));
+        depths.max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_that_overlap_are_bodies_of_their_own() {
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|p| p * 2.0);
+        let vertices = corners.into_iter().chain(corners.map(|p| p + Vec3::splat(0.1))).collect::<Vec<_>>();
+        let faces = [[0u32, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let triangles: Vec<[u32; 3]> = (0..2).flat_map(|k| faces.map(|t| t.map(|v| v + 4 * k))).collect();
+        let bodies = Bodies::parts(&vertices, &triangles);
+        let depths = |p: Vec3| bodies.solids.iter().filter_map(move |s| s.depth(p)).map(|of| of.0);
+        // In the first alone, beside the surface of the second; in both; in none.
+        for (z, count) in [(0.09, 1), (0.3, 2), (-0.1, 0)] {
+            let p = Vec3::new(0.3, 0.3, z);
+            assert_eq!(depths(p).count(), count);
+            assert_eq!(bodies.deepest(p).map(|of| of.0), depths(p).max_by(f64::total_cmp));
+        }
+    }
+
+    #[test]
+    fn depths_are_those_of_the_nearest_triangle() {
+        let (rows, columns) = (14u32, 20u32);
+        let at = |i: u32, j: u32| 1 + (i - 1) * columns + j % columns;
+        let mut vertices = vec![Vec3::Z];
+        for i in 1..rows {
+            for j in 0..columns {
+                let (u, w) = (
+                    f64::from(i) * 3.2 / f64::from(rows),
+                    f64::from(j) * std::f64::consts::TAU / f64::from(columns),
+                );
+                vertices.push(
+                    Vec3::new(u.sin() * w.cos(), 0.7 * u.sin() * w.sin(), u.cos())
+                        * (1.0 + 0.1 * (3.0 * w).sin()),
+                );
+            }
+        }
+        vertices.push(-Vec3::Z);
+        let last = vertices.len() as u32 - 1;
+        let mut triangles = Vec::new();
+        for j in 0..columns {
+            triangles.extend([[0, at(1, j), at(1, j + 1)], [last, at(rows - 1, j + 1), at(rows - 1, j)]]);
+            for i in 1..rows - 1 {
+                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+        let solid = Solid::new(&vertices, triangles.clone()).unwrap();
+        let body = Bodies::parts(&vertices, &triangles);
+        let mut inside = 0;
+        for k in 0..1000 {
+            let p = Vec3::new(f64::from(k % 10), f64::from(k / 10 % 10), f64::from(k / 100)) * 0.22
+                - Vec3::splat(1.0);
+            let side = solid.side(p, f64::MAX).unwrap();
+            let depth = body.deepest(p);
+            assert_eq!(depth.is_some(), side.signed_distance < 0.0, "{p}");
+            if let Some((depth, nearest)) = depth {
+                inside += 1;
+                assert!(
+                    (depth + side.signed_distance).abs() < 1e-12
+                        && (nearest.distance(p) - depth).abs() < 1e-12
+                );
+            }
+        }
+        assert!(inside > 100);
+    }
+}
