@@ -15,6 +15,8 @@ from .work import Work
 
 SKIN = ("face", "head_and_neck")
 CORNERS = [48, 54]  # of the mouth
+STRETCHED = 2.9  # times their length edges of a head that is no person's get at most: 3 is a spike
+ROUNDS = 5  # in which lids come in front of the eyeballs, and what that has stretched is shared
 
 
 class Faced(NamedTuple):
@@ -67,7 +69,8 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
         shapes = fit.rest + strength * offsets
         found = (yield transfer.start_apply(shapes)).vertices
         if located.rims:
-            moved = _by_lids(face, located, head, strength * offsets, found - head[0], balls)
+            moved = _by_lids(face, located, head, strength * offsets, found - head[0])
+            moved = _untorn(target, located, head, moved, balls)
             other = face_twins.twins(head[0])
             found = head[0] + (moved if other is None else face_twins.alike(made, moved, other))
         quality = yield transfer.start_quality(shapes, found)
@@ -91,9 +94,9 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
     return Work(steps())
 
 
-def _by_lids(face, located, head, offsets, moved, balls):
-    """(k, n, 3) with lids that go as far as these eyes are high, and stay in front of the eyeballs."""
-    found, (vertices, triangles) = moved.copy(), head
+def _by_lids(face, located, head, offsets, moved):
+    """(k, n, 3) with lids that go as far as these eyes are high."""
+    found, vertices = moved.copy(), head[0]
     frame = Frame.of(located.fit.rest, located.fit.fitted_vertices)
     upright = frame.back(vertices)
     for name in CURVES[:2]:
@@ -105,10 +108,31 @@ def _by_lids(face, located, head, offsets, moved, balls):
             if np.abs(offset[face.curves[name]]).max() > face_lids.LEAST:
                 shares = Shares.of(source, located.fit.rest, offset)
                 row[:] = face_lids.corrected(target, vertices, upright, row, shares)
-    for row in found:
-        for centre, radius in balls:
-            row[:] = face_lids.outside(vertices, triangles, row, centre, radius)
     return found
+
+
+def _untorn(target, located, head, offsets, balls):
+    """(k, n, 3) in front of the eyeballs, without a long edge; the rims of the eyes stay.
+
+    A cartoon's few edges at the corners of eyes and mouth take what people's many loops there share.
+    """
+    vertices, triangles = head
+    rims = [located.rims[name] for name in CURVES[:2] if name in located.rims]
+    held = np.unique(np.concatenate([np.zeros(0, dtype=int), *rims]))
+    found, left = offsets.copy(), np.arange(len(offsets))
+    for _ in range(ROUNDS):
+        for row in left:
+            for centre, radius in balls:
+                found[row] = face_lids.outside(vertices, triangles, found[row], centre, radius)
+        shapes = vertices + found[left]
+        limited = target.limit_stretch(shapes, STRETCHED, held)
+        changed = (limited != shapes).any(axis=(1, 2))
+        left = left[changed]
+        found[left] = limited[changed] - vertices
+        if not len(left):
+            break
+    # What is left are edges of the rims themselves, in keys that do not close.
+    return target.limit_stretch(vertices + found, STRETCHED) - vertices
 
 
 class _Known:

@@ -18,11 +18,14 @@ LEVEL = 0.25  # of the distance of the eyes: one eye is no higher than the other
 
 
 class Opening(NamedTuple):
-    """A border of the mesh: the loop of its rim, ending with its first, its middle, and its extent (3,)."""
+    """A border of the mesh: the loop of its rim, ending with its first, its middle, and its extent (3,);
+    ``behind``, the vertices between the rim and the border.
+    """
 
     loop: np.ndarray
     middle: np.ndarray
     extent: np.ndarray
+    behind: np.ndarray
 
 
 def openings(vertices, triangles):
@@ -46,29 +49,33 @@ def openings(vertices, triangles):
             ring |= grown
             grown = {v for b in grown for v in border[b]} - ring
         left -= ring
-        rim = _rim(vertices, ring, beside)
+        rim, behind = _rim(vertices, ring, beside)
         if rim is not None:
             points = vertices[rim]
-            found.append(Opening(rim, (points.min(axis=0) + points.max(axis=0)) / 2, np.ptp(points, axis=0)))
+            middle = (points.min(axis=0) + points.max(axis=0)) / 2
+            found.append(Opening(rim, middle, np.ptp(points, axis=0), behind))
     return sorted(found, key=lambda opening: len(opening.loop))
 
 
 def _rim(vertices, ring, beside):
-    """The rim of a border, in order; None where nothing near it is a loop."""
+    """The rim of a border, in order, and what is behind it; None where nothing near it is a loop."""
     seen, loops = set(ring), []
     for _ in range(BEHIND):
         loop = _ordered(ring, beside)
         if loop is not None and len(loop) > LEAST:
-            loops.append((_area(vertices[loop][:, [0, 2]]), loop))
+            loops.append((_area(vertices[loop][:, [0, 2]]), loop, seen - ring))
         ring = {v for b in ring for v in beside[b]} - seen
         seen |= ring
         if not ring:
             break
     if not loops:
-        return None
-    smallest, loop = min(loops, key=lambda one: one[0])
+        return None, None
+    smallest, loop, _ = min(loops, key=lambda one: one[0])
     alike = smallest + ALIKE * np.ptp(vertices[loop][:, 0]) ** 2
-    return min((one for area, one in loops if area <= alike), key=lambda one: vertices[one][:, 1].mean())
+    *_, loop, behind = min(
+        (one for one in loops if one[0] <= alike), key=lambda one: vertices[one[1]][:, 1].mean()
+    )
+    return loop, np.array(sorted(behind), dtype=np.int64)
 
 
 def _ordered(ring, beside):

@@ -109,6 +109,15 @@ class Mesh:
         In the mesh's own units; inf where no edges lead (Dijkstra 1959). Raises InvalidConstraint for no
         vertices and for indices out of range.
         """
+    def limit_stretch(
+        self, shapes: ArrayLike, limit: float = 3.0, held: ArrayLike | None = None
+    ) -> NDArray[np.float64]:
+        """(k, n, 3): `shapes` (k, n, 3) with no edge longer than `limit` times what it is at rest.
+
+        Ends of what is longer are brought together (Provot 1995); what is not stays to the bit. Edges
+        between two of the vertices that are `held`, (h,) indices, keep their length. Raises InvalidValue for
+        a limit below 1, InvalidConstraint for indices out of range.
+        """
 
 @final
 class Pose:

@@ -136,6 +136,9 @@ class TransferOptions(TypedDict, total=False):
     contact: bool
     """Where surfaces come together on the source, as lids do in a blink, they do so on the target, and slide
     around closed convex parts, as eyes are."""
+    stretch: float
+    """How many times as long as at rest edges of the target get at most, unless the source is stretched as
+    much there; inf for any."""
 
 
 class LearnOptions(TypedDict, total=False):

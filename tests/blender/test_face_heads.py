@@ -54,6 +54,11 @@ def test_a_mask_gets_keys_without_a_click_and_its_lids_close(mask):
     smile = delta(obj, "mouthSmileLeft") + delta(obj, "mouthSmileRight")
     corners = head.lips[[head.vertices[head.lips, 0].argmin(), head.vertices[head.lips, 0].argmax()]]
     assert smile[corners, 2].min() > 0.08 * before[0]
+    ends = np.sort(np.concatenate([head.triangles[:, k] for k in ([0, 1], [1, 2], [2, 0])]), axis=1)
+    rest = np.linalg.norm(np.diff(head.vertices[ends], axis=1), axis=2)
+    for name in done.written["Mask"]:
+        long = np.linalg.norm(np.diff((head.vertices + delta(obj, name))[ends], axis=1), axis=2) / rest
+        assert long.max() < 3, name
 
 
 def test_without_a_clue_it_asks_and_goes_on_with_what_was_clicked(mask):

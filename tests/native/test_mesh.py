@@ -2,6 +2,7 @@
 
 import lissom
 import numpy as np
+import pytest
 from shapes import tube
 
 
@@ -56,3 +57,25 @@ def test_real_meshes_are_accepted_whole(data):
     fans.append(np.stack([loops[quads], loops[quads + 2], loops[quads + 3]], 1))
     mesh = lissom.Mesh(face["neutral"], np.concatenate(fans))
     assert mesh.components == 56
+
+
+def test_edges_are_brought_within_a_limit_and_the_rest_stays():
+    x, y = np.meshgrid(np.arange(12.0), np.arange(4.0), indexing="ij")
+    vertices = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], axis=1)
+    corner = (np.arange(11)[:, None] * 4 + np.arange(3)).ravel()
+    faces = np.concatenate([np.c_[corner, corner + 4, corner + 1], np.c_[corner + 1, corner + 4, corner + 5]])
+    mesh = lissom.Mesh(vertices, faces)
+    bent = vertices + 0.5 * np.sin(vertices[:, :1]) * [0, 0, 1]
+    torn = vertices + 5 * (vertices[:, :1] > 5.5) * [1, 0, 0]
+    held = np.flatnonzero((vertices[:, 0] == 0) | (vertices[:, 0] == 11))
+    found = mesh.limit_stretch([bent, torn], 2.0, held)
+    assert np.array_equal(found[0], bent) and np.array_equal(found[1, held], torn[held])
+    ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    length = np.linalg.norm(np.diff(found[1][ends], axis=1), axis=2) / np.linalg.norm(
+        np.diff(vertices[ends], axis=1), axis=2
+    )
+    assert length.max() < 2.003
+    with pytest.raises(lissom.InvalidConstraint, match="held"):
+        mesh.limit_stretch([torn], held=[48])
+    with pytest.raises(lissom.Error, match="limit: must be at least 1"):
+        mesh.limit_stretch([torn], 0.5)

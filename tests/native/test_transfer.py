@@ -203,3 +203,30 @@ def test_local_frames_turn_keys_with_the_surface():
     print(f"bump on a slope, of its size: {off['global'] / size:.3f} global, {off['local'] / size:.3f} local")
     # Measured: 0.565 and 0.225, of where the directions change from one half to the other.
     assert off["global"] > 0.5 * size and off["local"] < 0.3 * size
+
+
+def test_a_target_that_spans_a_slit_of_the_source_makes_no_rag():
+    """A sheet with a slit whose lips part on the source, and one without: nothing is stretched there that
+    much.
+    """
+    x, y = np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 21), indexing="ij")
+    flat = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], axis=1)
+    faces = grid_faces(21, 21)
+    lip = np.flatnonzero((np.abs(flat[:, 0] - 0.5) < 1e-9) & (flat[:, 1] > 0.31))
+    other = np.arange(len(flat))
+    other[lip] = len(flat) + np.arange(len(lip))
+    right = flat[faces].mean(axis=1)[:, 0] > 0.5
+    slit = np.where(right[:, None], other[faces], faces)
+    vertices = np.concatenate([flat, flat[lip]])
+    beside = (vertices[:, 0] > 0.51) | (np.arange(len(vertices)) >= len(flat))
+    posed = vertices + (beside * np.clip(vertices[:, 1] - 0.3, 0, None))[:, None] * [0, 0, 1]
+    source, target = lissom.Mesh(vertices, slit), lissom.Mesh(flat, faces)
+    fit = lissom.fit_correspondence(source, target, overlap=True)
+    ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    rest = np.linalg.norm(np.diff(flat[ends], axis=1), axis=2)
+    longest = {}
+    for stretch in (2.0, np.inf):
+        found = lissom.Transfer(source, target, fit, stretch=stretch).apply([posed]).vertices[0]
+        longest[stretch] = (np.linalg.norm(np.diff(found[ends], axis=1), axis=2) / rest).max()
+    print(f"longest edge: {longest[np.inf]:.2f} times, limited {longest[2.0]:.2f}")
+    assert longest[np.inf] > 5 and longest[2.0] < 2.05

@@ -78,6 +78,25 @@ impl PyMesh {
         PyJob::start(work, |py, distances| Ok(arrays::from_numbers(py, distances)))?.result(py)
     }
 
+    /// (k, n, 3) float64: `shapes` (k, n, 3) with no edge longer than `limit` times what it is at rest, but those
+    /// between two of the vertices that are `held`, (h,) indices. Raises InvalidConstraint for indices out of range.
+    #[pyo3(signature = (shapes, limit=None, held=None))]
+    fn limit_stretch(
+        &self,
+        py: Python<'_>,
+        shapes: &Bound<'_, PyAny>,
+        limit: Option<&Bound<'_, PyAny>>,
+        held: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Py<PyAny>> {
+        let n = self.0.vertices().len();
+        let shapes = arrays::poses("shapes", shapes, n)?;
+        let limit = limit.map_or(Ok(3.0), |limit| options::float("limit", limit))?;
+        let held = held.map_or(Ok(Vec::new()), |held| arrays::vertex_list("held", held))?;
+        let mesh = self.0.clone();
+        let work = move |job: &Job| mesh.limit_stretch(&shapes, limit, &held, job);
+        PyJob::start(work, move |py, found| arrays::from_poses(py, &found, n))?.result(py)
+    }
+
     /// list of str: what was mended or is doubtful.
     #[getter]
     fn warnings(&self) -> &[String] {

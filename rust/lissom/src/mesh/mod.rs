@@ -4,6 +4,7 @@ mod adjacency;
 mod components;
 mod distance;
 mod orientation;
+mod stretch;
 pub(crate) mod validate;
 mod weld;
 

@@ -62,12 +62,14 @@ pub struct Transfer {
     pub(super) used: Correspondence,
     pub(super) chooser: Chooser,
     pub(super) anchors: Anchors,
-    scaling: Scaling,
+    pub(super) scaling: Scaling,
     pub(super) placer: Placer,
     pub(super) closing: Option<Closing>,
     stitcher: Stitcher,
     /// `w_t` over the area of the triangle.
     pub(super) weights: Vec<f64>,
+    /// How many times their length edges get at most, unless the source's do ([`super::tears`]).
+    pub(super) stretch: f64,
     warnings: Vec<String>,
 }
 
@@ -127,6 +129,7 @@ impl Transfer {
             closing,
             stitcher,
             weights,
+            stretch: options.stretch,
             warnings,
         })
     }
@@ -183,7 +186,7 @@ impl Transfer {
 
     fn apply_block(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<(Vec<Vec<Vec3>>, Duration)> {
         let n = self.target.vertices().len();
-        let (keys, (rhs, mut given)): (Vec<Moving>, (Vec<_>, Vec<_>)) = poses
+        let (keys, (rhs, mut given)): (Vec<_>, (Vec<_>, Vec<_>)) = poses
             .par_iter()
             .map(|pose| {
                 let key = SourceKey::of(&self.source, &self.turned(pose));
@@ -194,7 +197,7 @@ impl Transfer {
                 for (v, to) in self.anchors.targets(&self.target, &self.chooser, &moved) {
                     given[v as usize] = to;
                 }
-                (Moving { key, moved, moves }, (rhs, given))
+                ((Moving { key, moved, moves }, changes), (rhs, given))
             })
             .unzip();
         job.check()?;
@@ -202,7 +205,8 @@ impl Transfer {
         self.stitcher.system().solve(&rhs, &mut given);
         let solving = start.elapsed();
         job.check()?;
-        let positions = keys.par_iter().zip(given).map(|(moving, found)| self.finish(moving, found));
+        let positions =
+            keys.par_iter().zip(given).map(|((moving, changes), found)| self.finish(moving, changes, found));
         Ok((positions.collect::<Result<_>>()?, solving))
     }
 
@@ -220,13 +224,15 @@ impl Transfer {
     }
 
     /// From displacements in unit coordinates, up to a translation, to positions.
-    fn finish(&self, moving: &Moving, mut displacements: Vec<Vec3>) -> Result<Vec<Vec3>> {
+    fn finish(&self, moving: &Moving, changes: &[Mat3], mut displacements: Vec<Vec3>) -> Result<Vec<Vec3>> {
+        let mut asked = Vec::new();
         if let Some(closing) = &self.closing {
-            displacements = closing.close(&self.ways(), moving, &displacements);
+            (displacements, asked) = closing.close(&self.ways(), moving, &displacements);
         } else {
             let Moving { key, moves, .. } = moving;
             self.placer.place(&self.target, &self.chooser, key, moves, &mut displacements);
         }
+        self.mend_tears(&moving.key, changes, &asked, &mut displacements);
         self.target.follow(&mut displacements);
         let scale = self.target.frame().scale;
         let positions: Vec<Vec3> =

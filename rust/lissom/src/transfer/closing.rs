@@ -34,8 +34,14 @@ impl Closing {
         Ok(Self { system, obstacles: Obstacles::of(target), of_source: Obstacles::of(source) })
     }
 
-    /// The displacements, placed, with contacts closed and nothing pushed into solids.
-    pub fn close(&self, ways: &Ways, Moving { key, moved, moves }: &Moving, stitched: &[Vec3]) -> Vec<Vec3> {
+    /// The displacements, placed, with contacts closed and nothing pushed into solids; and the vertices that were asked
+    /// for it.
+    pub fn close(
+        &self,
+        ways: &Ways,
+        Moving { key, moved, moves }: &Moving,
+        stitched: &[Vec3],
+    ) -> (Vec<Vec3>, Vec<u32>) {
         let Self { system, obstacles, of_source } = self;
         let &Ways { target, chooser, placer, .. } = ways;
         let with = |contacts: &[Contact]| {
@@ -46,13 +52,13 @@ impl Closing {
         };
         let contacts = ways.contacts(key, moved);
         let mut displacements = with(&contacts);
-        let Some(obstacles) = obstacles else { return displacements };
+        let mut asked: Vec<u32> = contacts.iter().flat_map(Contact::vertices).collect();
+        let Some(obstacles) = obstacles else { return (displacements, asked) };
         let least = match of_source {
             Some(solids) => ways.as_far_as_on_the_source(solids, key, moved),
             None => {
                 let mut least = vec![Least::Travelled; displacements.len()];
-                let met = contacts.iter().flat_map(Contact::vertices);
-                met.for_each(|v| least[v as usize] = Least::Outside(f64::INFINITY));
+                asked.iter().for_each(|&v| least[v as usize] = Least::Outside(f64::INFINITY));
                 least
             }
         };
@@ -69,7 +75,8 @@ impl Closing {
             let pulls = points.iter().map(|(&v, &point)| Contact::with_point(target, v, point));
             displacements = with(&contacts.iter().cloned().chain(pulls).collect::<Vec<_>>());
         }
-        displacements
+        asked.extend(points.into_keys());
+        (displacements, asked)
     }
 }
 

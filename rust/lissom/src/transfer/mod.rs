@@ -47,6 +47,7 @@ pub mod quality;
 mod scale;
 mod sizes;
 mod symmetry;
+mod tears;
 #[cfg(test)]
 mod testing;
 mod verdict;

@@ -60,6 +60,9 @@ options! {
         /// Where surfaces come together on the source, as lids do in a blink, they do so on the target, and slide
         /// around closed convex parts, as eyes are.
         pub contact: bool = false,
+        /// How many times as long as at rest edges of the target get at most, unless the source is stretched as much
+        /// there; inf for any.
+        pub stretch: f64 = 3.0 => at_least(1.0) at_most(f64::INFINITY),
     }
 }
 

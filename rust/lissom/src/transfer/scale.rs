@@ -34,6 +34,12 @@ impl Scaling {
         Self { factors: (0..target.components().count()).map(factor).collect() }
     }
 
+    /// `1 / r` where a target triangle is.
+    pub fn factor(&self, target: &Mesh, triangle: usize) -> f64 {
+        let component = target.components().of_vertex(target.triangles()[triangle][0] as usize);
+        component.map_or(1.0, |c| self.factors[c])
+    }
+
     /// Makes `C' - I` of the `C - I` of every target triangle, where the images have gone by `moved`.
     pub fn apply(
         &self,
