@@ -9,7 +9,7 @@
 //! place ([`super::place`]). Displacements are solved for, so a key that moves nothing moves nothing.
 
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
@@ -20,6 +20,7 @@ use super::closing::{Closing, Moving, Ways};
 use super::correspondence::Correspondence;
 use super::options::{TransferOptions, Unmatched, Weighting};
 use super::place::Placer;
+use super::rims::Rims;
 use super::scale::Scaling;
 use super::sizes::Sizes;
 use crate::linear::{Constraints, REGULARIZED};
@@ -65,6 +66,8 @@ pub struct Transfer {
     scaling: Scaling,
     pub(super) placer: Placer,
     pub(super) closing: Option<Closing>,
+    /// What can come together, once it is asked for.
+    rims: OnceLock<Rims>,
     stitcher: Stitcher,
     /// `w_t` over the area of the triangle.
     pub(super) weights: Vec<f64>,
@@ -102,10 +105,7 @@ impl Transfer {
         let policy = options.unmatched;
         let placer = Placer::new(&source, &target, stitcher.matrix(), &chooser, &anchors, policy, sizes);
         let scaling = Scaling::new(&target, &anchors, &placer, sizes);
-        let closing = match options.contact {
-            true => Some(Closing::new(&source, &target, stitcher.matrix(), job)?),
-            false => None,
-        };
+        let closing = options.contact.then(Closing::default);
         let policy = match policy {
             Unmatched::Follow => "they follow the nearest matched surface rigidly",
             Unmatched::Rest => "they stay at rest",
@@ -125,6 +125,7 @@ impl Transfer {
             scaling,
             placer,
             closing,
+            rims: OnceLock::new(),
             stitcher,
             weights,
             warnings,
@@ -183,6 +184,7 @@ impl Transfer {
 
     fn apply_block(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<(Vec<Vec<Vec3>>, Duration)> {
         let n = self.target.vertices().len();
+        let rims = self.closing.as_ref().map(|_| self.rims());
         let (keys, (rhs, mut given)): (Vec<Moving>, (Vec<_>, Vec<_>)) = poses
             .par_iter()
             .map(|pose| {
@@ -194,10 +196,16 @@ impl Transfer {
                 for (v, to) in self.anchors.targets(&self.target, &self.chooser, &moved) {
                     given[v as usize] = to;
                 }
-                (Moving { key, moved, moves }, (rhs, given))
+                let contacts = rims.map_or(Vec::new(), |rims| self.ways().contacts(rims, &key));
+                (Moving { key, moved, moves, contacts }, (rhs, given))
             })
             .unzip();
         job.check()?;
+        if let (Some(closing), Some(rims)) = (&self.closing, rims)
+            && keys.iter().any(|key| !key.contacts.is_empty())
+        {
+            closing.prepare(&self.ways(), rims, self.stitcher.matrix(), job)?;
+        }
         let start = Instant::now();
         self.stitcher.system().solve(&rhs, &mut given);
         let solving = start.elapsed();
@@ -219,13 +227,19 @@ impl Transfer {
         Ways { source, target, used, chooser, anchors, placer }
     }
 
+    /// The rims of source and target; whoever asks first finds them, so not from within parallel work.
+    pub(super) fn rims(&self) -> &Rims {
+        self.rims.get_or_init(|| self.ways().rims())
+    }
+
     /// From displacements in unit coordinates, up to a translation, to positions.
     fn finish(&self, moving: &Moving, mut displacements: Vec<Vec3>) -> Result<Vec<Vec3>> {
-        if let Some(closing) = &self.closing {
-            displacements = closing.close(&self.ways(), moving, &displacements);
-        } else {
-            let Moving { key, moves, .. } = moving;
-            self.placer.place(&self.target, &self.chooser, key, moves, &mut displacements);
+        let Moving { key, moves, contacts, .. } = moving;
+        match self.closing.as_ref().and_then(Closing::prepared) {
+            Some(prepared) if !contacts.is_empty() => {
+                displacements = prepared.close(&self.ways(), moving, &displacements);
+            }
+            _ => self.placer.place(&self.target, &self.chooser, key, moves, &mut displacements),
         }
         self.target.follow(&mut displacements);
         let scale = self.target.frame().scale;

@@ -44,11 +44,14 @@ mod obstacle;
 mod options;
 mod place;
 pub mod quality;
+mod ridges;
+mod rims;
 mod scale;
 mod sizes;
 mod symmetry;
 #[cfg(test)]
 mod testing;
+mod touching;
 mod verdict;
 
 pub use apply::{Transfer, Transferred};
