@@ -80,6 +80,22 @@ def test_rims_that_meet_on_the_source_meet_on_a_target_that_is_further_apart():
     assert left[True][1] < 0.2 * left[False][1]
 
 
+@pytest.mark.parametrize("part", [0.25, 0.5, 0.75])
+def test_openings_close_by_the_same_part_of_their_own_height(part):
+    """By the gradients alone the wider opening closes by as much as the narrower one, which is less of it."""
+    source, target, fit = fitted()
+    key = SOURCE + part * (CLOSED - SOURCE)
+    wanted = 1 - gap(key) / gap(SOURCE)
+    closes = {}
+    for contact in (False, True):
+        transfer = lissom.Transfer(source, target, fit, contact=contact)
+        result = transfer.apply([key]).vertices
+        closes[contact] = 1 - gap(result[0]) / gap(TARGET)
+        assert abs(transfer.quality([key], result).closing[0] * wanted - closes[contact]) < 0.1
+    assert closes[False] < 0.85 * wanted, "nothing to show"
+    assert abs(closes[True] - wanted) < 0.06
+
+
 def test_keys_that_bring_nothing_together_stay_as_they_are():
     source, target, fit = fitted()
     wider = closed(SOURCE, ANGLE, -0.2)

@@ -9,7 +9,7 @@
 //! place ([`super::place`]). Displacements are solved for, so a key that moves nothing moves nothing.
 
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
@@ -20,6 +20,7 @@ use super::closing::{Closing, Moving, Ways};
 use super::correspondence::Correspondence;
 use super::options::{TransferOptions, Unmatched, Weighting};
 use super::place::Placer;
+use super::rims::Rims;
 use super::scale::Scaling;
 use super::sizes::Sizes;
 use crate::linear::{Constraints, REGULARIZED};
@@ -65,6 +66,8 @@ pub struct Transfer {
     pub(super) scaling: Scaling,
     pub(super) placer: Placer,
     pub(super) closing: Option<Closing>,
+    /// What can come together, once it is asked for.
+    rims: OnceLock<Rims>,
     stitcher: Stitcher,
     /// `w_t` over the area of the triangle.
     pub(super) weights: Vec<f64>,
@@ -104,10 +107,7 @@ impl Transfer {
         let policy = options.unmatched;
         let placer = Placer::new(&source, &target, stitcher.matrix(), &chooser, &anchors, policy, sizes);
         let scaling = Scaling::new(&target, &anchors, &placer, sizes);
-        let closing = match options.contact {
-            true => Some(Closing::new(&source, &target, stitcher.matrix(), job)?),
-            false => None,
-        };
+        let closing = options.contact.then(Closing::default);
         let policy = match policy {
             Unmatched::Follow => "they follow the nearest matched surface rigidly",
             Unmatched::Rest => "they stay at rest",
@@ -127,6 +127,7 @@ impl Transfer {
             scaling,
             placer,
             closing,
+            rims: OnceLock::new(),
             stitcher,
             weights,
             stretch: options.stretch,
@@ -186,6 +187,7 @@ impl Transfer {
 
     fn apply_block(&self, poses: &[Vec<Vec3>], job: &Job) -> Result<(Vec<Vec<Vec3>>, Duration)> {
         let n = self.target.vertices().len();
+        let rims = self.closing.as_ref().map(|_| self.rims());
         let (keys, (rhs, mut given)): (Vec<_>, (Vec<_>, Vec<_>)) = poses
             .par_iter()
             .map(|pose| {
@@ -197,10 +199,16 @@ impl Transfer {
                 for (v, to) in self.anchors.targets(&self.target, &self.chooser, &moved) {
                     given[v as usize] = to;
                 }
-                ((Moving { key, moved, moves }, changes), (rhs, given))
+                let contacts = rims.map_or(Vec::new(), |rims| self.ways().contacts(rims, &key));
+                ((Moving { key, moved, moves, contacts }, changes), (rhs, given))
             })
             .unzip();
         job.check()?;
+        if let (Some(closing), Some(rims)) = (&self.closing, rims)
+            && keys.iter().any(|(key, _)| !key.contacts.is_empty())
+        {
+            closing.prepare(&self.ways(), rims, self.stitcher.matrix(), job)?;
+        }
         let start = Instant::now();
         self.stitcher.system().solve(&rhs, &mut given);
         let solving = start.elapsed();
@@ -223,14 +231,20 @@ impl Transfer {
         Ways { source, target, used, chooser, anchors, placer }
     }
 
+    /// The rims of source and target; whoever asks first finds them, so not from within parallel work.
+    pub(super) fn rims(&self) -> &Rims {
+        self.rims.get_or_init(|| self.ways().rims())
+    }
+
     /// From displacements in unit coordinates, up to a translation, to positions.
     fn finish(&self, moving: &Moving, changes: &[Mat3], mut displacements: Vec<Vec3>) -> Result<Vec<Vec3>> {
+        let Moving { key, moves, contacts, .. } = moving;
         let mut asked = Vec::new();
-        if let Some(closing) = &self.closing {
-            (displacements, asked) = closing.close(&self.ways(), moving, &displacements);
-        } else {
-            let Moving { key, moves, .. } = moving;
-            self.placer.place(&self.target, &self.chooser, key, moves, &mut displacements);
+        match self.closing.as_ref().and_then(Closing::prepared) {
+            Some(prepared) if !contacts.is_empty() => {
+                (displacements, asked) = prepared.close(&self.ways(), moving, &displacements);
+            }
+            _ => self.placer.place(&self.target, &self.chooser, key, moves, &mut displacements),
         }
         self.mend_tears(&moving.key, changes, &asked, &mut displacements);
         self.target.follow(&mut displacements);

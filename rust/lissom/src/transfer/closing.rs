@@ -1,7 +1,8 @@
-//! Closing: contacts are closed, and nothing is pushed into solids, once a key is stitched ([`super::contact`],
-//! [`super::obstacle`]).
+//! Closing: once a key is stitched, the openings that close in it are closed, and what does so is not pushed into
+//! solids ([`super::rims`], [`super::contact`], [`super::obstacle`]).
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use super::anchor::Anchors;
 use super::choose::{Chooser, SourceKey};
@@ -9,74 +10,129 @@ use super::contact::{self, Contact};
 use super::correspondence::Correspondence;
 use super::obstacle::{Least, Obstacles};
 use super::place::Placer;
+use super::rims::Rims;
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::{Job, Mesh, Result, Vec3};
 
 /// How often what is missing to stay out of solids is asked for.
 const ASKED: usize = 10;
 
-/// What contact needs besides.
-pub struct Closing {
+/// What contact needs besides, once a key needs it.
+#[derive(Default)]
+pub struct Closing(OnceLock<Prepared>);
+
+/// The same, prepared.
+pub struct Prepared {
     system: ConstrainedSystem,
     /// What is in the way on the target, and on the source.
     obstacles: Option<Obstacles>,
     of_source: Option<Obstacles>,
+    /// The target's vertices that the former may be in the way of.
+    vertices: Vec<u32>,
 }
 
 impl Closing {
-    /// For a target that stitching has the matrix of.
+    /// Prepares it for a target that stitching has the matrix of.
     ///
     /// # Errors
     ///
     /// As [`contact::system`].
-    pub fn new(source: &Mesh, target: &Mesh, stitching: &SymmetricMatrix, job: &Job) -> Result<Self> {
-        let system = contact::system(target, stitching, job)?;
-        Ok(Self { system, obstacles: Obstacles::of(target), of_source: Obstacles::of(source) })
+    pub fn prepare(&self, ways: &Ways, rims: &Rims, stitching: &SymmetricMatrix, job: &Job) -> Result<()> {
+        if self.0.get().is_none() {
+            let system = contact::system(ways.target, stitching, rims.vertices(), job)?;
+            let corrected = || system.constraints().free().iter().copied();
+            let meeting: Vec<u32> = rims.vertices().collect();
+            let obstacles = Obstacles::near(ways.target, &meeting);
+            let vertices =
+                obstacles.as_ref().map_or(Vec::new(), |solids| solids.in_the_way(ways.target, corrected()));
+            let obstacles = obstacles.filter(|_| !vertices.is_empty());
+            let of_source = obstacles.as_ref().and_then(|_| Obstacles::near(ways.source, &rims.images()));
+            // Whoever was first has made the same.
+            let _ = self.0.set(Prepared { system, obstacles, of_source, vertices });
+        }
+        Ok(())
     }
 
+    /// What is prepared.
+    pub fn prepared(&self) -> Option<&Prepared> {
+        self.0.get()
+    }
+}
+
+impl Prepared {
     /// The displacements, placed, with contacts closed and nothing pushed into solids; and the vertices that were asked
     /// for it.
     pub fn close(
         &self,
         ways: &Ways,
-        Moving { key, moved, moves }: &Moving,
+        Moving { key, moved, moves, contacts }: &Moving,
         stitched: &[Vec3],
     ) -> (Vec<Vec3>, Vec<u32>) {
-        let Self { system, obstacles, of_source } = self;
         let &Ways { target, chooser, placer, .. } = ways;
-        let with = |contacts: &[Contact]| {
+        let mut y = Vec::new();
+        let mut with = |contacts: &[Contact]| {
             let mut displacements = stitched.to_vec();
-            contact::close(target, system, contacts, &mut displacements);
+            contact::close(target, &self.system, contacts, &mut y, &mut displacements);
             placer.place(target, chooser, key, moves, &mut displacements);
             displacements
         };
-        let contacts = ways.contacts(key, moved);
-        let mut displacements = with(&contacts);
+        let mut displacements = with(contacts);
         let mut asked: Vec<u32> = contacts.iter().flat_map(Contact::vertices).collect();
-        let Some(obstacles) = obstacles else { return (displacements, asked) };
-        let least = match of_source {
-            Some(solids) => ways.as_far_as_on_the_source(solids, key, moved),
-            None => {
-                let mut least = vec![Least::Travelled; displacements.len()];
-                asked.iter().for_each(|&v| least[v as usize] = Least::Outside(f64::INFINITY));
-                least
-            }
-        };
-        let mut points: BTreeMap<u32, Vec3> = BTreeMap::new();
+        let Some(obstacles) = &self.obstacles else { return (displacements, asked) };
+        let standing = obstacles.standing(target, &displacements);
+        let vertices = obstacles.reached(target, &standing, &self.vertices, &displacements);
+        let least = self.least(ways, key, moved, contacts, &vertices);
+        // In the order in which they came, as what is found for them is.
+        let (mut points, mut place) = (Vec::new(), BTreeMap::new());
+        let mut pulled = contacts.clone();
         for _ in 0..ASKED {
-            let short = obstacles.short(target, &least, &displacements);
+            let short = obstacles.short(target, &standing, &least, &displacements);
             if short.is_empty() {
                 break;
             }
             for (v, by) in short {
-                let at = target.rest()[v as usize] + displacements[v as usize];
-                *points.entry(v).or_insert(at) += by;
+                let slot = *place.entry(v).or_insert_with(|| {
+                    points.push((v, target.rest()[v as usize] + displacements[v as usize]));
+                    points.len() - 1
+                });
+                points[slot].1 += by;
             }
-            let pulls = points.iter().map(|(&v, &point)| Contact::with_point(target, v, point));
-            displacements = with(&contacts.iter().cloned().chain(pulls).collect::<Vec<_>>());
+            pulled.truncate(contacts.len());
+            pulled.extend(points.iter().map(|&(v, point)| Contact::with_point(target, v, point)));
+            displacements = with(&pulled);
         }
-        asked.extend(points.into_keys());
+        asked.extend(points.iter().map(|&(v, _)| v));
         (displacements, asked)
+    }
+
+    /// How far outside of solids vertices must be: as far as their images are, or those that meet outside of all.
+    fn least(
+        &self,
+        ways: &Ways,
+        key: &SourceKey,
+        moved: &[Vec3],
+        contacts: &[Contact],
+        vertices: &[u32],
+    ) -> Vec<(u32, Least)> {
+        let Some(solids) = &self.of_source else {
+            let mut least: BTreeMap<u32, Least> = vertices.iter().map(|&v| (v, Least::Travelled)).collect();
+            let met = contacts.iter().flat_map(Contact::vertices);
+            least.extend(met.map(|v| (v, Least::Outside(f64::INFINITY))));
+            return least.into_iter().collect();
+        };
+        let image = |&v: &u32| {
+            let at = ways.chooser.image(v as usize)? + moved[v as usize];
+            let triangle = ways.used.images.get(v as usize).copied().flatten()?.triangle;
+            Some((ways.source.triangles()[triangle as usize][0], at))
+        };
+        let images: Vec<_> = vertices.iter().map(image).collect();
+        let outside = solids.outside(ways.source, &key.displacement, &images);
+        let size = |v: u32| ways.target.components().of_vertex(v as usize).map(|c| ways.anchors.size(c));
+        let least = |k: usize| match images[k].and(size(vertices[k])) {
+            Some(size) => Least::Outside(outside[k].map_or(f64::INFINITY, |outside| outside * size)),
+            None => Least::Travelled,
+        };
+        (0..vertices.len()).map(|k| (vertices[k], least(k))).collect()
     }
 }
 
@@ -98,29 +154,18 @@ pub struct Moving<'a> {
     pub moved: Vec<Vec3>,
     /// Whether each of its triangles moves.
     pub moves: Vec<bool>,
+    /// What comes together.
+    pub contacts: Vec<Contact>,
 }
 
 impl Ways<'_> {
-    /// What comes together in a key.
-    pub fn contacts(&self, key: &SourceKey, moved: &[Vec3]) -> Vec<Contact> {
-        let size = |component| self.anchors.size(component);
-        contact::contacts(self.source, self.target, self.used, key, moved, size)
+    /// What can come together.
+    pub fn rims(&self) -> Rims {
+        Rims::new(self.source, self.target, self.used, |component| self.anchors.size(component))
     }
 
-    /// How far outside of solids the images of the target's vertices are.
-    fn as_far_as_on_the_source(&self, solids: &Obstacles, key: &SourceKey, moved: &[Vec3]) -> Vec<Least> {
-        let image = |(v, &moved): (usize, &Vec3)| {
-            let at = self.chooser.image(v)? + moved;
-            let triangle = self.used.images.get(v).copied().flatten()?.triangle;
-            Some((self.source.triangles()[triangle as usize][0], at))
-        };
-        let images: Vec<_> = moved.iter().enumerate().map(image).collect();
-        let outside = solids.outside(self.source, &key.displacement, &images);
-        let size = |v: usize| self.target.components().of_vertex(v).map(|c| self.anchors.size(c));
-        let least = |v: usize| match images[v].and(size(v)) {
-            Some(size) => Least::Outside(outside[v].map_or(f64::INFINITY, |outside| outside * size)),
-            None => Least::Travelled,
-        };
-        (0..moved.len()).map(least).collect()
+    /// What comes together in a key.
+    pub fn contacts(&self, rims: &Rims, key: &SourceKey) -> Vec<Contact> {
+        rims.contacts(self.source, self.target, self.used, key, |component| self.anchors.size(component))
     }
 }

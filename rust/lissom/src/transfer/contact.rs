@@ -1,4 +1,4 @@
-//! Contact: where the source's surfaces come together in a key, the same places of the target do.
+//! Contact: where openings of the source close in a key, those of the target do ([`super::rims`]).
 //!
 //! ```text
 //!     min_c  c^T A c  +  sum_j k_j | (B d + B c)_j - r_j |^2         k_j = m_j / h^2
@@ -11,36 +11,22 @@
 //! `(K^1/2 B A^-1 B^T K^1/2 + I) y = K^1/2 (r - B d)`: conjugate gradients on as many unknowns as there are
 //! contacts, one back-substitution of the factor each.
 
-use rayon::prelude::*;
-
-use super::choose::SourceKey;
-use super::correspondence::Correspondence;
-use crate::geometry::surface::Surface;
 use crate::linear::{ConstrainedSystem, Constraints, SymmetricMatrix};
+use crate::mesh::Paths;
 use crate::{Job, Mesh, Result, Vec3};
-
-/// Surfaces are in contact within this fraction of the source's diagonal ...
-const REACH: f64 = 0.005;
-
-/// ... where they face each other, by the cosine between their normals, ...
-const OPPOSED: f64 = -0.3;
-
-/// ... and have come closer to each other than this fraction of their distance at rest, ...
-const CLOSED: f64 = 0.7;
-
-/// ... and by this fraction of the source's diagonal. What slides along another surface, as lips do, is as near
-/// to it at rest, if elsewhere.
-const APPROACH: f64 = 0.003;
 
 /// `h`, a fraction of the target's diagonal: contacts are met where they go on for longer than this, and what
 /// changes from vertex to vertex is left to the stitching.
-const SMOOTH: f64 = 0.006;
+const SMOOTH: f64 = 0.003;
 
 /// `l`, a fraction of the target's diagonal.
 const LOCAL: f64 = 0.05;
 
+/// So many times that from what can meet, along edges, nothing is corrected any more.
+const FADED: f64 = 2.0;
+
 /// The contacts are met to this fraction of what was missing, or for so many back-substitutions.
-const MET: f64 = 1e-2;
+const MET: f64 = 0.03;
 const ITERATIONS: usize = 60;
 
 /// A target vertex, and the place of the target that meets it.
@@ -51,6 +37,10 @@ pub struct Contact {
     place: Vec<(u32, f64)>,
     /// From vertex to place once the key is on, in the target's unit coordinates.
     gap: Vec3,
+    /// The direction from vertex to place at rest; zero for a fixed point.
+    way: Vec3,
+    /// How much of a lid or lip the vertex makes up: the side of the square of its area, in unit coordinates.
+    length: f64,
     /// `k^1/2`.
     pull: f64,
 }
@@ -58,7 +48,19 @@ pub struct Contact {
 impl Contact {
     /// A pull of a vertex to a point in the target's unit coordinates.
     pub fn with_point(target: &Mesh, vertex: u32, point: Vec3) -> Self {
-        Self { vertex, place: Vec::new(), gap: -point, pull: pull(target, vertex) }
+        Self::new(target, vertex, Vec::new(), -point, 1.0)
+    }
+
+    /// A vertex and a place that are to be `gap` apart once the key is on, which counts by `weight`.
+    pub fn across(target: &Mesh, vertex: u32, place: Vec<(u32, f64)>, gap: Vec3, weight: f64) -> Self {
+        let mut contact = Self::new(target, vertex, place, gap, weight);
+        contact.way = contact.difference(target.rest()).normalize_or_zero();
+        contact
+    }
+
+    fn new(target: &Mesh, vertex: u32, place: Vec<(u32, f64)>, gap: Vec3, weight: f64) -> Self {
+        let length = mass(target, vertex).sqrt();
+        Self { vertex, place, gap, way: Vec3::ZERO, length, pull: length * weight.sqrt() / SMOOTH }
     }
 
     /// The vertices that meet.
@@ -66,9 +68,9 @@ impl Contact {
         self.place.iter().map(|&(v, _)| v).chain([self.vertex])
     }
 
-    /// How much of a lid or lip the vertex makes up: the side of the square of its area, in unit coordinates.
+    /// How much of a lid or lip the vertex makes up.
     pub fn length(&self) -> f64 {
-        self.pull * SMOOTH
+        self.length
     }
 
     /// From vertex to place, where the target's vertices have `values`.
@@ -77,78 +79,35 @@ impl Contact {
         there - values[self.vertex as usize]
     }
 
-    /// How far the two have to come together, and how much of it is left with `displacements`, in unit coordinates.
+    /// How far the two have to come together, and how much of it is left with `displacements`, along the way from one
+    /// to the other at rest: less than nothing where they have gone too far. In unit coordinates.
     pub fn closing(&self, target: &Mesh, displacements: &[Vec3]) -> (f64, f64) {
-        let at_rest = self.difference(target.rest());
-        let left = (at_rest + self.difference(displacements)).length() - self.gap.length();
-        ((at_rest.length() - self.gap.length()).max(0.0), left.max(0.0))
+        let asked = (self.difference(target.rest()) - self.gap).dot(self.way);
+        (asked, asked + self.difference(displacements).dot(self.way))
     }
 }
 
-/// The contacts of one key, within components of the target: lids and lips. `moved` are the displacements of the
-/// images of the target's vertices, `size` is that of the target over that of the source, for each component of
-/// the target.
-pub fn contacts(
-    source: &Mesh,
-    target: &Mesh,
-    matches: &Correspondence,
-    key: &SourceKey,
-    moved: &[Vec3],
-    size: impl Fn(usize) -> f64 + Sync,
-) -> Vec<Contact> {
-    let (rest, faces) = (source.rest(), source.triangles());
-    let posed: Vec<Vec3> = rest.iter().zip(&key.displacement).map(|(&p, &d)| p + d).collect();
-    let [surface_at_rest, surface] = [rest, &posed[..]].map(|p| Surface::of(faces, p));
-    let component = |v: u32| target.components().of_vertex(v as usize);
-    let contact = |v: usize| {
-        let image = matches.images[v]?;
-        if moved[v] == Vec3::ZERO {
-            return None;
-        }
-        let corners = faces[image.triangle as usize];
-        let [at_rest, at] = [rest, &posed[..]].map(|p| image.blend(corners.map(|v| p[v as usize])));
-        let normal = surface.normal(image.triangle as usize);
-        let accept = |t: usize| surface.normal(t).dot(normal) < OPPOSED;
-        let hit = surface.closest_compatible_point_on(at, -normal, REACH, accept)?;
-        let there = faces[hit.triangle];
-        let normal = source.normals()[image.triangle as usize];
-        let near = (hit.distance / CLOSED).max(hit.distance + APPROACH);
-        let accept = |t: usize| source.normals()[t].dot(normal) < OPPOSED;
-        if surface_at_rest.closest_compatible_point_on(at_rest, -normal, near, accept).is_some() {
-            return None;
-        }
-        let mut place = Vec::with_capacity(9);
-        for (k, &corner) in there.iter().enumerate() {
-            let back = matches.back_images[corner as usize]?;
-            let of_corner = target.triangles()[back.triangle as usize];
-            place.extend((0..3).map(|i| (of_corner[i], hit.weights[k] * back.weights[i])));
-        }
-        let own = component(v as u32);
-        if place.iter().any(|&(w, _)| component(w) != own) {
-            return None;
-        }
-        let gap = (hit.point - at) * size(own?);
-        Some(Contact { vertex: v as u32, place, gap, pull: pull(target, v as u32) })
-    };
-    (0..moved.len()).into_par_iter().filter_map(contact).collect()
-}
-
-fn mass(target: &Mesh, vertex: u32) -> f64 {
+/// The area of a vertex, in unit coordinates.
+pub fn mass(target: &Mesh, vertex: u32) -> f64 {
     let around = target.adjacency().corners_of(vertex as usize).iter();
     around.map(|c| target.areas()[c.triangle as usize]).sum::<f64>() / 3.0
 }
 
-fn pull(target: &Mesh, vertex: u32) -> f64 {
-    mass(target, vertex).sqrt() / SMOOTH
-}
-
-/// `A`, from the matrix that stitching has.
+/// `A`, from the matrix that stitching has, around `meeting`, vertices of the target that can meet something.
 ///
 /// # Errors
 ///
 /// As [`ConstrainedSystem::new`].
-pub fn system(target: &Mesh, stitching: &SymmetricMatrix, job: &Job) -> Result<ConstrainedSystem> {
-    let within = |v: u32| target.components().of_vertex(v as usize).is_some();
+pub fn system(
+    target: &Mesh,
+    stitching: &SymmetricMatrix,
+    meeting: impl Iterator<Item = u32>,
+    job: &Job,
+) -> Result<ConstrainedSystem> {
+    let mut distances = vec![f64::INFINITY; target.rest().len()];
+    let paths = Paths::new(target.adjacency(), target.rest(), 0.0);
+    paths.shorten(&mut distances, meeting.map(|v| (v, 0.0)), FADED * LOCAL, |_| {});
+    let within = |v: u32| distances[v as usize].is_finite();
     let count = target.rest().len();
     let held = (0..count as u32).filter(|&v| within(v));
     let soft = held.map(|v| (v, mass(target, v).max(f64::MIN_POSITIVE) / (LOCAL * LOCAL)));
@@ -156,8 +115,15 @@ pub fn system(target: &Mesh, stitching: &SymmetricMatrix, job: &Job) -> Result<C
     ConstrainedSystem::new(stitching, constraints, job)
 }
 
-/// Corrects `displacements` by as much as the contacts ask for; `system` is `A`.
-pub fn close(target: &Mesh, system: &ConstrainedSystem, contacts: &[Contact], displacements: &mut [Vec3]) {
+/// Corrects `displacements` by as much as the contacts ask for; `system` is `A`, and `y` what was found for as many of
+/// the contacts as were there before.
+pub fn close(
+    target: &Mesh,
+    system: &ConstrainedSystem,
+    contacts: &[Contact],
+    y: &mut Vec<Vec3>,
+    displacements: &mut [Vec3],
+) {
     let response = |y: &[Vec3]| {
         let mut sums = vec![Vec3::ZERO; displacements.len()];
         for (contact, &y) in contacts.iter().zip(y) {
@@ -170,24 +136,33 @@ pub fn close(target: &Mesh, system: &ConstrainedSystem, contacts: &[Contact], di
         let [x] = x;
         x
     };
+    let image = |answer: &[Vec3], y: &[Vec3]| -> Vec<Vec3> {
+        let pairs = contacts.iter().zip(y);
+        pairs.map(|(contact, &y)| contact.difference(answer) * contact.pull + y).collect()
+    };
     let dot = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
     let missing = |c: &Contact| c.gap - c.difference(target.rest()) - c.difference(displacements);
     let mut residual: Vec<Vec3> = contacts.iter().map(|c| missing(c) * c.pull).collect();
-    let mut direction = residual.clone();
+    let enough = dot(&residual, &residual) * MET * MET;
     let mut correction = vec![Vec3::ZERO; displacements.len()];
+    let known = !y.is_empty();
+    y.resize(contacts.len(), Vec3::ZERO);
+    if known {
+        correction = response(y);
+        residual.iter_mut().zip(image(&correction, y)).for_each(|(r, q)| *r -= q);
+    }
+    let mut direction = residual.clone();
     let mut left = dot(&residual, &residual);
-    let enough = left * MET * MET;
     for _ in 0..ITERATIONS {
         if left <= enough || left == 0.0 {
             break;
         }
         let answer = response(&direction);
-        let image: Vec<Vec3> = (contacts.iter().zip(&direction))
-            .map(|(contact, &y)| contact.difference(&answer) * contact.pull + y)
-            .collect();
+        let image = image(&answer, &direction);
         let step = left / dot(&direction, &image);
         residual.iter_mut().zip(&image).for_each(|(r, &q)| *r -= q * step);
         correction.iter_mut().zip(&answer).for_each(|(c, &a)| *c += a * step);
+        y.iter_mut().zip(&direction).for_each(|(y, &d)| *y += d * step);
         let next = dot(&residual, &residual);
         direction.iter_mut().zip(&residual).for_each(|(d, &r)| *d = r + *d * (next / left));
         left = next;

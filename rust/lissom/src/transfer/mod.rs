@@ -44,12 +44,15 @@ mod obstacle;
 mod options;
 mod place;
 pub mod quality;
+mod ridges;
+mod rims;
 mod scale;
 mod sizes;
 mod symmetry;
 mod tears;
 #[cfg(test)]
 mod testing;
+mod touching;
 mod verdict;
 
 pub use apply::{Transfer, Transferred};

@@ -28,6 +28,12 @@ const SLACK: f64 = 0.0005;
 /// Vertices further inside are on the other side of something else.
 const REACH: f64 = 0.05;
 
+/// What a lid goes at most: solids further away are not in its way.
+const AS_FAR_AS_LIDS: f64 = 2.0 * REACH;
+
+/// What is further from the box around a solid, once a key is on, is not pushed into it by what is corrected.
+const BESIDE: f64 = 0.01;
+
 /// Solids are components with less of their edges than this on a boundary ...
 const OPEN: f64 = 0.05;
 
@@ -52,19 +58,34 @@ pub enum Least {
 /// The solids of a mesh.
 pub struct Obstacles {
     solids: Vec<Obstacle>,
+    /// Around each of them at rest.
+    boxes: Boxes,
     /// The area of each component.
     areas: Vec<f64>,
 }
 
-/// The solids where a key takes them.
+/// An obstacle in a key.
 struct Posed<'a> {
-    solids: Vec<(&'a Obstacle, Solid)>,
-    boxes: Boxes,
+    obstacle: &'a Obstacle,
+    /// Where it moves.
+    moved: Option<Solid>,
 }
 
 impl Posed<'_> {
+    fn side(&self, point: Vec3) -> Option<SignedDistance> {
+        self.moved.as_ref().unwrap_or(&self.obstacle.rest).side(point, REACH)
+    }
+}
+
+/// The solids of a mesh in a key.
+pub struct Standing<'a> {
+    solids: Vec<Posed<'a>>,
+    boxes: Boxes,
+}
+
+impl<'a> Standing<'a> {
     /// Those that a point may be within `reach` of, or in.
-    fn near(&self, point: Vec3, reach: f64) -> impl Iterator<Item = &(&Obstacle, Solid)> {
+    fn near(&self, point: Vec3, reach: f64) -> impl Iterator<Item = &Posed<'a>> {
         self.boxes.within(point, reach).into_iter().map(|k| &self.solids[k])
     }
 }
@@ -91,8 +112,16 @@ impl Obstacle {
     }
 
     /// Where its vertices are once `displacements` are on.
-    fn posed<'a>(&'a self, mesh: &'a Mesh, displacements: &'a [Vec3]) -> impl Iterator<Item = Vec3> + 'a {
+    fn at<'a>(&'a self, mesh: &'a Mesh, displacements: &'a [Vec3]) -> impl Iterator<Item = Vec3> + 'a {
         self.vertices.iter().map(|&v| mesh.rest()[v as usize] + displacements[v as usize])
+    }
+
+    fn posed(&self, mesh: &Mesh, displacements: &[Vec3]) -> Option<Posed<'_>> {
+        if self.vertices.iter().all(|&v| displacements[v as usize] == Vec3::ZERO) {
+            return Some(Posed { obstacle: self, moved: None });
+        }
+        let moved: Vec<Vec3> = self.at(mesh, displacements).collect();
+        Some(Posed { obstacle: self, moved: Some(Solid::new(&moved, self.triangles.clone())?) })
     }
 
     /// What `values` at the vertices of the mesh are at a place of this surface.
@@ -103,8 +132,8 @@ impl Obstacle {
 }
 
 impl Obstacles {
-    /// Finds the solids of a mesh; `None` where nothing gives way to any.
-    pub fn of(target: &Mesh) -> Option<Self> {
+    /// Finds the solids of a mesh near some of its vertices; `None` where nothing gives way to any.
+    pub fn near(target: &Mesh, vertices: &[u32]) -> Option<Self> {
         let components = target.components();
         let component = |v: u32| components.of_vertex(v as usize);
         let mut areas = vec![0.0; components.count()];
@@ -124,24 +153,52 @@ impl Obstacles {
         }
         let largest = areas.iter().copied().fold(0.0, f64::max);
         let is_solid = |&c: &usize| areas[c] < SMALLER * largest && (open[c] as f64) < OPEN * edges[c] as f64;
-        let solids: Vec<Obstacle> = triangles
-            .iter()
-            .enumerate()
-            .filter(|(c, triangles)| is_solid(c) && convex(target, triangles))
-            .filter_map(|(component, triangles)| Obstacle::new(target, component, triangles))
+        let at = |v: &u32| target.rest()[*v as usize];
+        let solid: Vec<usize> = (0..triangles.len()).filter(is_solid).collect();
+        let boxes = Boxes::around(solid.iter().map(|&c| triangles[c].iter().flatten().map(at)));
+        let mut is_near = vec![false; solid.len()];
+        vertices.iter().flat_map(|v| boxes.within(at(v), AS_FAR_AS_LIDS)).for_each(|k| is_near[k] = true);
+        let solids: Vec<Obstacle> = solid
+            .into_iter()
+            .zip(is_near)
+            .filter(|&(c, is_near)| is_near && convex(target, &triangles[c]))
+            .filter_map(|(c, _)| Obstacle::new(target, c, &triangles[c]))
             .collect();
-        (!solids.is_empty()).then_some(Self { solids, areas })
+        let boxes = Boxes::around(solids.iter().map(|solid| solid.vertices.iter().map(at)));
+        (!solids.is_empty()).then_some(Self { solids, boxes, areas })
     }
 
     /// The solids where `displacements` take them.
-    fn posed(&self, mesh: &Mesh, displacements: &[Vec3]) -> Posed<'_> {
-        let posed = |of: &Obstacle| {
-            let at: Vec<Vec3> = of.posed(mesh, displacements).collect();
-            Solid::new(&at, of.triangles.clone())
+    pub fn standing(&self, mesh: &Mesh, displacements: &[Vec3]) -> Standing<'_> {
+        let solids: Vec<Posed> =
+            self.solids.iter().filter_map(|solid| solid.posed(mesh, displacements)).collect();
+        let boxes = Boxes::around(solids.iter().map(|posed| posed.obstacle.at(mesh, displacements)));
+        Standing { solids, boxes }
+    }
+
+    /// Which of `vertices` solids may be in the way of.
+    pub fn in_the_way(&self, mesh: &Mesh, vertices: impl Iterator<Item = u32>) -> Vec<u32> {
+        let meets = |v: &u32| {
+            let own = mesh.components().of_vertex(*v as usize);
+            let near = self.boxes.within(mesh.rest()[*v as usize], AS_FAR_AS_LIDS);
+            own.is_some_and(|own| near.iter().any(|&k| self.gives_way(own, &self.solids[k])))
         };
-        let solids: Vec<_> = self.solids.iter().filter_map(|of| Some((of, posed(of)?))).collect();
-        let boxes = Boxes::around(solids.iter().map(|(of, _)| of.posed(mesh, displacements)));
-        Posed { solids, boxes }
+        vertices.filter(meets).collect()
+    }
+
+    /// Which of `vertices` are near solids once `displacements` are on.
+    pub fn reached(
+        &self,
+        mesh: &Mesh,
+        standing: &Standing,
+        vertices: &[u32],
+        displacements: &[Vec3],
+    ) -> Vec<u32> {
+        let is_near = |v: &u32| {
+            let at = mesh.rest()[*v as usize] + displacements[*v as usize];
+            standing.near(at, BESIDE).next().is_some()
+        };
+        vertices.iter().copied().filter(is_near).collect()
     }
 
     /// For each point of a component, given with a vertex of it, how far it is outside of the solids once
@@ -152,13 +209,12 @@ impl Obstacles {
         displacements: &[Vec3],
         points: &[Option<(u32, Vec3)>],
     ) -> Vec<Option<f64>> {
-        let posed = self.posed(mesh, displacements);
+        let standing = self.standing(mesh, displacements);
         let of = |point: &Option<(u32, Vec3)>| {
             let (vertex, point) = (*point)?;
             let own = mesh.components().of_vertex(vertex as usize)?;
-            let near = posed.near(point, REACH).filter(|(solid, _)| self.gives_way(own, solid));
-            near.filter_map(|(_, posed)| Some(posed.side(point, REACH)?.signed_distance))
-                .min_by(f64::total_cmp)
+            let near = standing.near(point, REACH).filter(|posed| self.gives_way(own, posed.obstacle));
+            near.filter_map(|posed| Some(posed.side(point)?.signed_distance)).min_by(f64::total_cmp)
         };
         points.par_iter().map(of).collect()
     }
@@ -167,24 +223,28 @@ impl Obstacles {
         self.areas[solid.component] < SMALLER * self.areas[component]
     }
 
-    /// Vertices that `displacements` take too far into a solid, and what they are short of, in unit coordinates.
-    /// `least` says how far outside each must be, [`Least::Travelled`] where nothing else does.
-    pub fn short(&self, target: &Mesh, least: &[Least], displacements: &[Vec3]) -> Vec<(u32, Vec3)> {
-        let rest = target.rest();
-        let posed = self.posed(target, displacements);
-        let of = |v: u32| {
+    /// Which of some vertices `displacements` take too far into a solid, and what they are short of, in unit
+    /// coordinates. `least` has each with how far outside it must be, [`Least::Travelled`] where nothing else says so.
+    pub fn short(
+        &self,
+        target: &Mesh,
+        standing: &Standing,
+        least: &[(u32, Least)],
+        displacements: &[Vec3],
+    ) -> Vec<(u32, Vec3)> {
+        let of = |&(v, least): &(u32, Least)| {
             let d = displacements[v as usize];
             let own = target.components().of_vertex(v as usize).filter(|_| d != Vec3::ZERO)?;
-            let at = rest[v as usize];
-            let near = posed.near(at + d, CLEAR).filter(|(solid, _)| self.gives_way(own, solid));
-            let short = near.filter_map(|(solid, posed)| {
-                let now = posed.side(at + d, REACH).filter(|now| now.signed_distance < CLEAR)?;
-                let wanted = match least[v as usize] {
+            let at = target.rest()[v as usize];
+            let near = standing.near(at + d, CLEAR).filter(|posed| self.gives_way(own, posed.obstacle));
+            let short = near.filter_map(|posed| {
+                let now = posed.side(at + d).filter(|now| now.signed_distance < CLEAR)?;
+                let wanted = match least {
                     Least::Outside(distance) => distance.min(CLEAR),
                     Least::Travelled => {
-                        let carried = solid.blend(&now, displacements);
-                        let before =
-                            solid.rest.side(at, REACH).map_or(CLEAR, |before| before.signed_distance);
+                        let carried = posed.obstacle.blend(&now, displacements);
+                        let before = posed.obstacle.rest.side(at, REACH);
+                        let before = before.map_or(CLEAR, |before| before.signed_distance);
                         let beyond = ((d - carried).length() - before.abs()).max(0.0);
                         CLEAR.min(before + beyond)
                     }
@@ -195,7 +255,7 @@ impl Obstacles {
             let short: Vec3 = short.sum();
             (short != Vec3::ZERO).then_some((v, short))
         };
-        (0..rest.len() as u32).into_par_iter().filter_map(of).collect()
+        least.par_iter().filter_map(of).collect()
     }
 }
 

@@ -57,8 +57,8 @@ options! {
         /// The length below which gradients rule and beyond it displacements: lower suits shapes that are much
         /// alike, inf is gradients alone.
         pub anchor: f64 = 1.0 => above(0.0) at_most(f64::INFINITY) unit("of the target's diagonal"),
-        /// Where surfaces come together on the source, as lids do in a blink, they do so on the target, and slide
-        /// around closed convex parts, as eyes are.
+        /// Openings that close on the source, as lids do in a blink, close by the same part of their own height on
+        /// the target, and lids slide around closed convex parts, as eyes are.
         pub contact: bool = false,
         /// How many times as long as at rest edges of the target get at most, unless the source is stretched as much
         /// there; inf for any.

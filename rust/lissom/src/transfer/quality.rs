@@ -4,8 +4,8 @@
 //! |---|---|
 //! | turned over | target triangles that face against where `C_t` turns them |
 //! | torn | target triangles with an edge [`RAGGED`] times as long as `C_t` makes it |
-//! | contact gap | how much wider apart than on the source are the places that meet there |
-//! | closing | the part of the way to where they meet that they have gone |
+//! | contact gap | how much wider apart than asked for are the places across openings that close ([`super::rims`]) |
+//! | closing | what part of the way that is asked for they have come together, above 1 where they go further |
 //! | strength | root mean square displacement over what the anchors ask for ([`super::anchor`]) |
 //! | covered | the part of the source's motion that has a counterpart on the target |
 //! | crooked | left against right, where both meshes and the source's key are symmetric ([`super::symmetry`]) |
@@ -60,11 +60,11 @@ pub struct KeyQuality {
     pub flipped_triangles: usize,
     /// Number of target triangles torn.
     pub torn_triangles: usize,
-    /// Target vertices whose images meet another surface in this key.
+    /// Target vertices at openings that close in this key.
     pub contacts: usize,
     /// Mean over those, in percent of the target's diagonal; 0 where there is none.
     pub contact_gap: f64,
-    /// What part of the way they come together, 1 where there is none.
+    /// What part of the way they come together; above 1 where they go further, 1 where there is none.
     pub closing: f64,
     /// Motion over that of the source, scaled as the transfer does; 1 where nothing is seen to move.
     pub strength: f64,
@@ -105,6 +105,7 @@ impl Transfer {
         let mut matched = vec![false; self.source.triangles().len()];
         self.used.pairs.iter().for_each(|pair| matched[pair[0] as usize] = true);
         job.report(0.2, "quality");
+        self.rims();
         let found = poses.par_iter().zip(carried).map(|(pose, carried)| {
             job.check()?;
             Ok(self.quality_of(&self.turned(pose), carried, &mirrors, &matched))
@@ -142,11 +143,12 @@ impl Transfer {
             (count, if count > 0 { (area_of(&which) / moving).max(f64::MIN_POSITIVE) } else { 0.0 })
         };
         let (turned, torn) = (part(|t| t.turned), part(|t| t.torn));
-        let contacts = self.ways().contacts(&key, &moved);
+        let contacts = self.ways().contacts(self.rims(), &key);
         let gaps: Vec<_> = contacts.iter().map(|c| c.closing(target, &displacements)).collect();
-        let gap = gaps.iter().fold(0.0, |sum, (_, left)| sum + left) / contacts.len().max(1) as f64;
-        let way: f64 = gaps.iter().map(|(way, _)| way).sum();
-        let closing = if way > 0.0 { (1.0 - gap * contacts.len() as f64 / way).clamp(0.0, 1.0) } else { 1.0 };
+        let apart: f64 = gaps.iter().map(|(_, left)| left.max(0.0)).sum();
+        let gap = apart / contacts.len().max(1) as f64;
+        let (way, left) = gaps.iter().fold((0.0, 0.0), |(way, left), gap| (way + gap.0, left + gap.1));
+        let closing = if way > 0.0 { 1.0 - left / way } else { 1.0 };
         let (strength, crooked) = (self.strength(&moved, &displacements), {
             let beyond = |[source, target]: &[Mirror; 2]| {
                 let own = source.difference(&key.displacement);

@@ -1,0 +1,332 @@
+//! Rims: places that face each other across an opening, as those of lids and lips do, and come together as it closes.
+//!
+//! ```text
+//!     D' = r Q S'        S, D = from one place to the other at rest, on the source and on the target
+//!                        S'   = the same on the source once the key is on
+//!                        r    = |D| / |S|, where they touch the size of the target over that of the source
+//!                        Q    = the least rotation from S to D
+//! ```
+//!
+//! A lid that goes over half its opening on the source does so on the target, whatever the height of its eye, and
+//! one that goes over the other goes over it by the same part of the opening. Which places touch once an opening has
+//! closed is seen in the key itself ([`super::touching`]). What is near to each other at rest, as lips are, has no
+//! opening: it slides, and the gradients say how.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use super::choose::SourceKey;
+use super::contact::{Contact, mass};
+use super::correspondence::Correspondence;
+use super::image::SurfacePoint;
+use super::ridges::ridges;
+use super::touching::{Touching, across, blend};
+use crate::geometry::groups::Groups;
+use crate::geometry::surface::Surface;
+use crate::mesh::Paths;
+use crate::{Mesh, Quat, Vec3};
+
+/// Openings are at most so wide and at least so narrow, as fractions of the source's diagonal: eyes are 3 % of a head.
+const WIDE: f64 = 0.12;
+const NARROW: f64 = 0.006;
+
+/// Places face each other by the cosine between their normals, and by that between them and the way across.
+const OPPOSED: f64 = -0.3;
+const FACING: f64 = 0.3;
+
+/// What is so near to a rim, a fraction of the source's diagonal and in edges, goes with it: lids are as thick.
+const BESIDE: f64 = 0.01;
+const RINGS: usize = 3;
+
+/// An opening of the target that is so many times as wide or narrow, against the size of both, is another one.
+const MOST_TIMES: f64 = 10.0;
+
+/// An opening closes from the first part of its way on, which all but few of its rims have not gone further than, and wholly
+/// from the second: what nears less is led by the gradients.
+const NEARING: [f64; 2] = [0.1, 0.2];
+const MOST: f64 = 0.9;
+
+/// Each rim counts from the first part of what most of them have gone on, and wholly from the second.
+const CLOSING: [f64; 2] = [0.5, 0.9];
+
+/// What is so near to each other, a fraction of the source's diagonal, touches: it does so on the target, as lids are not as
+/// thick as their eye is high. From twice that on there is an opening.
+const TOUCHING: f64 = 0.005;
+
+/// Closing along less than this, a part of the target's diagonal, is a chance touch; both lids of an eye have 0.3.
+const BRUSHED: f64 = 0.1;
+
+/// A place on the source: the corners of a triangle, and what each counts.
+type Place = ([u32; 3], Vec3);
+
+/// A target vertex and the place across.
+struct Rim {
+    vertex: u32,
+    /// Target vertices and what each counts there; they add up to 1.
+    place: Vec<(u32, f64)>,
+    /// The images of both.
+    images: [Place; 2],
+    /// `S` and `D`.
+    across: [Vec3; 2],
+    /// Of the target over that of the source.
+    size: f64,
+}
+
+impl Rim {
+    /// `None` where the two lie otherwise on the target, `size` times as large, than `from` here to there on the source.
+    fn new(
+        target: &Mesh,
+        vertex: u32,
+        place: Vec<(u32, f64)>,
+        images: [Place; 2],
+        from: Vec3,
+        size: f64,
+    ) -> Option<Self> {
+        let at = |v: u32| target.rest()[v as usize];
+        let across = place.iter().map(|&(v, weight)| at(v) * weight).sum::<Vec3>() - at(vertex);
+        let times = across.length() / (from.length() * size);
+        let same = across.dot(from) > FACING * from.length() * across.length();
+        let known = same && times > 1.0 / MOST_TIMES && times < MOST_TIMES;
+        known.then_some(Self { vertex, place, images, across: [from, across], size })
+    }
+
+    /// From one place to the other on the source once a key is on.
+    fn posed(&self, key: &SourceKey) -> Vec3 {
+        let [here, there] = self.images.each_ref().map(|image| blend(image, &key.displacement));
+        self.across[0] + there - here
+    }
+
+    /// What it asks for where the two have come to be `posed`, and counts by `weight`.
+    fn contact(&self, target: &Mesh, posed: Vec3, weight: f64) -> Contact {
+        let [from, to] = self.across;
+        let opening = to.length() / from.length();
+        let touching = (2.0 - posed.length() / TOUCHING).clamp(0.0, 1.0);
+        let gap = Quat::from_rotation_arc(from.normalize(), to.normalize()) * posed;
+        let gap = gap * (opening + (self.size - opening) * touching);
+        Contact::across(target, self.vertex, self.place.clone(), gap, weight)
+    }
+}
+
+/// Rims that hang together, as those of both lids do, and what touches around them.
+struct Opening {
+    rims: Vec<Rim>,
+    touching: Touching,
+}
+
+impl Opening {
+    /// What its rims ask for in a key, by vertex of the target.
+    fn closing(&self, target: &Mesh, key: &SourceKey) -> BTreeMap<u32, Contact> {
+        let posed: Vec<Vec3> = self.rims.iter().map(|rim| rim.posed(key)).collect();
+        let nearing = |(rim, posed): (&Rim, &Vec3)| 1.0 - posed.length() / rim.across[0].length();
+        let nearing: Vec<f64> = self.rims.iter().zip(&posed).map(nearing).collect();
+        let mut sorted = nearing.clone();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let most = sorted[(MOST * (sorted.len() - 1) as f64) as usize].min(1.0);
+        let closes = smooth(most, NEARING);
+        if closes == 0.0 {
+            return BTreeMap::new();
+        }
+        let contact = |((rim, nearing), posed): ((&Rim, &f64), &Vec3)| {
+            let weight = closes * smooth(*nearing, CLOSING.map(|part| part * most));
+            (weight > 0.0).then(|| (rim.vertex, rim.contact(target, *posed, weight)))
+        };
+        let found: BTreeMap<u32, Contact> =
+            self.rims.iter().zip(&nearing).zip(&posed).filter_map(contact).collect();
+        let along: f64 = found.values().map(Contact::length).sum();
+        if along > BRUSHED { found } else { BTreeMap::new() }
+    }
+}
+
+/// From 0 at the first of two values to 1 at the second.
+fn smooth(value: f64, [from, to]: [f64; 2]) -> f64 {
+    let part = ((value - from) / (to - from)).clamp(0.0, 1.0);
+    part * part * (3.0 - 2.0 * part)
+}
+
+/// The openings of a source and a target that belong together.
+pub struct Rims(Vec<Opening>);
+
+impl Rims {
+    /// Finds them, within components of the target; `size` is that of the target over that of the source, for each.
+    pub fn new(
+        source: &Mesh,
+        target: &Mesh,
+        matches: &Correspondence,
+        size: impl Fn(usize) -> f64 + Sync,
+    ) -> Self {
+        let outward = source.outward_triangles();
+        let corners: Vec<[Vec3; 3]> = outward.iter().map(|t| t.map(|v| source.rest()[v as usize])).collect();
+        let on_ridge = ridges(source, &outward);
+        let ridges: Vec<bool> = outward.iter().map(|t| t.iter().any(|&v| on_ridge[v as usize])).collect();
+        let surface = Surface::in_parts(corners, |t| ridges[t], &[]);
+        let image = |v: u32| {
+            let image = matches.images.get(v as usize).copied().flatten()?;
+            ridges[image.triangle as usize].then_some(image)
+        };
+        let rim = |v: u32| {
+            let (image, from, there) = opposite(source, &outward, &surface, image(v)?)?;
+            let place = across(target, matches, v, there)?;
+            let own = target.components().of_vertex(v as usize)?;
+            let here = (source.triangles()[image.triangle as usize], image.weights);
+            Rim::new(target, v, place, [here, there], from, size(own))
+        };
+        let is_known = |v: &u32| image(*v).is_some() && !matches.back_images.is_empty();
+        let mut rims = along(target, (0..target.rest().len() as u32).filter(is_known), rim);
+        widen(&mut rims, source, target, matches, size);
+        let paths = Paths::new(source.adjacency(), source.rest(), 0.0);
+        let opening = |rims: Vec<Rim>| {
+            let images = rims.iter().flat_map(|rim| rim.images.iter().flat_map(|image| image.0));
+            let touching = Touching::new(source, target, matches, &paths, images);
+            Opening { rims, touching }
+        };
+        Self(openings(target, rims).into_iter().map(opening).collect())
+    }
+
+    /// Their vertices on the target.
+    pub fn vertices(&self) -> impl Iterator<Item = u32> + '_ {
+        let rims = self.0.iter().flat_map(|opening| &opening.rims);
+        rims.flat_map(|rim| rim.place.iter().map(|&(v, _)| v).chain([rim.vertex]))
+    }
+
+    /// Vertices of the source around their images.
+    pub fn images(&self) -> Vec<u32> {
+        let rims = self.0.iter().flat_map(|opening| &opening.rims);
+        rims.flat_map(|rim| rim.images.iter().flat_map(|image| image.0)).collect()
+    }
+
+    /// What comes together in a key: none where nothing closes.
+    pub fn contacts(
+        &self,
+        source: &Mesh,
+        target: &Mesh,
+        matches: &Correspondence,
+        key: &SourceKey,
+        size: impl Fn(usize) -> f64 + Sync,
+    ) -> Vec<Contact> {
+        let mut all = BTreeMap::new();
+        for opening in &self.0 {
+            let mut found = opening.closing(target, key);
+            if !found.is_empty() {
+                found.extend(opening.touching.contacts(source, target, matches, key, &size));
+                all.extend(found);
+            }
+        }
+        all.into_values().collect()
+    }
+}
+
+/// Rims sorted by the opening that they are around, without those that are too short.
+fn openings(target: &Mesh, rims: Vec<Rim>) -> Vec<Vec<Rim>> {
+    let mut is_rim = vec![false; target.rest().len()];
+    rims.iter().for_each(|rim| is_rim[rim.vertex as usize] = true);
+    let beside = target.adjacency().edges().iter().filter(|edge| edge.iter().all(|&v| is_rim[v as usize]));
+    let across = rims.iter().flat_map(|rim| rim.place.iter().map(|&(v, _)| [rim.vertex, v]));
+    let groups = Groups::joining(is_rim.len(), beside.copied().chain(across));
+    let mut of_group: BTreeMap<u32, Vec<Rim>> = BTreeMap::new();
+    for rim in rims {
+        of_group.entry(groups.of()[rim.vertex as usize]).or_default().push(rim);
+    }
+    let length = |rims: &[Rim]| rims.iter().map(|rim| mass(target, rim.vertex).sqrt()).sum::<f64>();
+    of_group.into_values().filter(|rims| length(rims) > BRUSHED).collect()
+}
+
+/// The image of a vertex, the way from there to the nearest place of the source that it faces, and that place.
+fn opposite(
+    source: &Mesh,
+    outward: &[[u32; 3]],
+    surface: &Surface,
+    image: SurfacePoint,
+) -> Option<(SurfacePoint, Vec3, Place)> {
+    let own = image.triangle as usize;
+    let here = image.blend(source.triangles()[own].map(|v| source.rest()[v as usize]));
+    let normal = surface.normal(own);
+    // An eye behind the lids is across too, and nothing that closes.
+    let component = |t: usize| source.components().of_vertex(outward[t][0] as usize);
+    let part = component(own);
+    let faced = |t: usize| {
+        let (other, way) = (surface.normal(t), surface.centroid(t) - here);
+        other.dot(normal) < OPPOSED && way.dot(normal) > 0.0 && way.dot(other) < 0.0 && component(t) == part
+    };
+    let hit = surface.closest_compatible_point_on(here, -normal, WIDE, faced)?;
+    let (from, length) = (hit.point - here, hit.distance);
+    let cosines = [from.dot(normal), -from.dot(surface.normal(hit.triangle))];
+    let is_opening = length > NARROW && cosines.into_iter().all(|cosine| cosine > FACING * length);
+    is_opening.then_some((image, from, (outward[hit.triangle], hit.weights)))
+}
+
+/// The rims of some vertices, as far as they hang together with such of a few of them: no two that are neighbours, and
+/// of all others a neighbour.
+fn along(
+    target: &Mesh,
+    vertices: impl Iterator<Item = u32>,
+    rim: impl Fn(u32) -> Option<Rim> + Sync,
+) -> Vec<Rim> {
+    let around = |v: u32| {
+        let corners = target.adjacency().corners_of(v as usize).iter();
+        corners.flat_map(|corner| target.triangles()[corner.triangle as usize])
+    };
+    let mut beside = vec![false; target.rest().len()];
+    let mut next = Vec::new();
+    for v in vertices {
+        if !beside[v as usize] {
+            next.push(v);
+            around(v).for_each(|w| beside[w as usize] = true);
+        }
+    }
+    let mut seen = vec![false; target.rest().len()];
+    next.iter().for_each(|&v| seen[v as usize] = true);
+    let mut rims = Vec::new();
+    while !next.is_empty() {
+        let found: Vec<Rim> = next.par_iter().filter_map(|&v| rim(v)).collect();
+        next = found.iter().flat_map(|rim| around(rim.vertex)).collect();
+        next.retain(|&v| !std::mem::replace(&mut seen[v as usize], true));
+        rims.extend(found);
+    }
+    rims.sort_unstable_by_key(|rim| rim.vertex);
+    rims
+}
+
+/// Takes in what is beside each rim, with the same place across.
+fn widen(
+    rims: &mut Vec<Rim>,
+    source: &Mesh,
+    target: &Mesh,
+    matches: &Correspondence,
+    size: impl Fn(usize) -> f64,
+) {
+    let at = |image: &Place| blend(image, source.rest());
+    let mut of_vertex = vec![None; target.rest().len()];
+    rims.iter().enumerate().for_each(|(k, rim)| of_vertex[rim.vertex as usize] = Some(k));
+    // The rim that each one comes from in the first place.
+    let mut roots: Vec<usize> = (0..rims.len()).collect();
+    for _ in 0..RINGS {
+        let mut nearest: BTreeMap<u32, (f64, usize)> = BTreeMap::new();
+        for &[a, b] in target.adjacency().edges() {
+            for (known, v) in [(a, b), (b, a)] {
+                let (Some(k), None) = (of_vertex[known as usize], of_vertex[v as usize]) else {
+                    continue;
+                };
+                let Some(image) = matches.images[v as usize] else { continue };
+                let here = (source.triangles()[image.triangle as usize], image.weights);
+                let distance = at(&here).distance(at(&rims[roots[k]].images[0]));
+                let best = nearest.get(&v).map_or(BESIDE, |best| best.0);
+                if distance < best {
+                    nearest.insert(v, (distance, roots[k]));
+                }
+            }
+        }
+        for (v, (_, root)) in nearest {
+            let Some(image) = matches.images[v as usize] else { continue };
+            let here = (source.triangles()[image.triangle as usize], image.weights);
+            let (there, place) = (rims[root].images[1], rims[root].place.clone());
+            let from = at(&there) - at(&here);
+            let Some(own) = target.components().of_vertex(v as usize) else { continue };
+            if let Some(rim) = Rim::new(target, v, place, [here, there], from, size(own)) {
+                of_vertex[v as usize] = Some(rims.len());
+                rims.push(rim);
+                roots.push(root);
+            }
+        }
+    }
+}
