@@ -110,9 +110,9 @@ class Mesh:
         vertices and for indices out of range.
         """
     def limit_stretch(
-        self, shapes: ArrayLike, limit: float = 3.0, held: ArrayLike | None = None
+        self, shapes: ArrayLike, limit: float | None = None, held: ArrayLike | None = None
     ) -> NDArray[np.float64]:
-        """(k, n, 3): `shapes` (k, n, 3) with no edge longer than `limit` times what it is at rest.
+        """(k, n, 3): `shapes` (k, n, 3) with no edge longer than `limit` (3) times what it is at rest.
 
         Ends of what is longer are brought together (Provot 1995); what is not stays to the bit. Edges
         between two of the vertices that are `held`, (h,) indices, keep their length. Raises InvalidValue for

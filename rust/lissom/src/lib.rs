@@ -44,7 +44,7 @@
 //! From the ground up: [`matrix`] and [`rotation`] are the algebra of 3 x 3 matrices, [`geometry`] what is true of
 //! points and triangles, whatever mesh they belong to. [`mesh`] (validated once), completed by its mirror images ([`symmetry`]), feeds [`operators`]; [`linear`] holds
 //! constraints and the factorization; [`stitch`] joins the two; [`pose`], [`transfer`] and [`inbetween`] choose, by
-//! their [`options`]. [`riding`] is how loose parts go with what they sit on, [`image`] makes flat meshes of drawings.
+//! their [`options`]. [`riding`] is how loose parts go with what they sit on, [`stretch`] keeps edges from growing long, [`image`] makes flat meshes of drawings.
 //! [`job`] is progress and cancellation, [`memory`] refuses what does not fit.
 
 #![forbid(unsafe_code)]
@@ -64,6 +64,7 @@ pub mod pose;
 pub mod riding;
 pub mod rotation;
 pub mod stitch;
+pub mod stretch;
 pub mod symmetry;
 pub mod transfer;
 

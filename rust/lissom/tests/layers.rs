@@ -12,7 +12,7 @@ const LAYERS: [&[&str]; 8] = [
     &["job", "memory", "geometry"],
     &["mesh", "linear"],
     &["options", "symmetry"],
-    &["operators", "riding"],
+    &["operators", "riding", "stretch"],
     &["stitch"],
     &["pose", "transfer", "inbetween", "image"],
 ];

@@ -4,7 +4,6 @@ mod adjacency;
 mod components;
 mod distance;
 mod orientation;
-mod stretch;
 pub(crate) mod validate;
 mod weld;
 
