@@ -95,7 +95,7 @@ fn a_part_is_searched_as_if_it_were_alone() {
     let part = |t: usize| (t / 2 % 97) as u32;
     let corners: Vec<[Vec3; 3]> = (0..300).flat_map(cards).collect();
     let parts: Vec<u32> = (0..corners.len()).map(part).collect();
-    let open = |t: usize| t % 5 != 0;
+    let open = |t: usize| !t.is_multiple_of(5);
     let surface = Surface::in_parts(corners.clone(), open, &parts);
     for k in 0..200 {
         let own = k as u32 % 97;

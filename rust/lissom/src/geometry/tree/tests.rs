@@ -127,7 +127,7 @@ fn one_of_many_cards_costs_as_much_however_many_there_are() {
 fn the_middle_of_a_round_body_is_as_far_from_few_as_from_all() {
     let cost = |n: usize, slabs: bool| -> f64 {
         let at = |i: usize, j: usize| {
-            let (u, v) = (i as f64 * 3.1 / n as f64 + 0.02, j as f64 * 6.28 / n as f64);
+            let (u, v) = (i as f64 * 3.1 / n as f64 + 0.02, j as f64 * 6.25 / n as f64);
             Vec3::new(u.sin() * v.cos(), u.sin() * v.sin(), 1.1 * u.cos())
         };
         let halves = (0..n * n).map(|k| (k / n, k % n)).flat_map(|(i, j)| {
