@@ -53,6 +53,7 @@ def configure(parser):
     add("--scale", **argument("transfer", "scale"))
     add("--drivers", choices=("rewire", "keep", "none"), default="rewire", help="what becomes of drivers")
     add("--contact", **argument("transfer", "contact"))
+    add("--stretch", **argument("transfer", "stretch"))
     add("--drop-empty", action="store_true", help="leave out keys that do not move the target")
     add("--tightness", **argument("fit", "closest"))
     add("--marker-tolerance", **argument("fit", "marker_tolerance"))
@@ -98,6 +99,7 @@ def _common(arguments, sources):
         "unmatched": arguments.loose_parts,
         "scale": arguments.scale,
         "contact": arguments.contact,
+        "stretch": arguments.stretch,
         "overlap": arguments.overlap,
         "marker_tolerance": arguments.marker_tolerance,
         "match_distance": arguments.match_distance,

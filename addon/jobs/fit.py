@@ -44,11 +44,12 @@ class TransferAsked(FitAsked):
     unmatched: str = default("transfer", "unmatched")
     scale: str = default("transfer", "scale")
     contact: bool = default("transfer", "contact")
+    stretch: float = default("transfer", "stretch")
 
     @property
     def options(self):
         """Those of lissom.Transfer."""
-        return {"unmatched": self.unmatched, "scale": self.scale, "contact": self.contact}
+        return {name: getattr(self, name) for name in ("unmatched", "scale", "contact", "stretch")}
 
 
 class Memory(NamedTuple):

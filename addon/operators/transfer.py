@@ -14,6 +14,7 @@ from ..properties.transfer_options import (
     match_distance_property,
     overlap_property,
     scale_property,
+    stretch_property,
     unmatched_property,
 )
 from .job import allowed
@@ -56,6 +57,7 @@ class TransferProperties(FitProperties):
     unmatched: unmatched_property()
     scale: scale_property()
     contact: contact_property()
+    stretch: stretch_property()
 
 
 def ready(operator_class, context, keys=False, writes=False):

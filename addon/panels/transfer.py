@@ -36,9 +36,10 @@ class LISSOM_UL_keys(TickList, bpy.types.UIList):
             row.label(text="", icon="SCULPTMODE_HLT")
 
 
-KEY_OPTIONS = ("unmatched", "scale", "exists", "edited", "drivers", "contact", "drop_empty", "check")
-POSE_OPTIONS = ("unmatched", "scale", "exists", "edited", "contact")
-ANIMATION_OPTIONS = ("unmatched", "scale", "contact")
+SHAPE_OPTIONS = ("contact", "stretch")
+KEY_OPTIONS = ("unmatched", "scale", "exists", "edited", "drivers", *SHAPE_OPTIONS, "drop_empty", "check")
+POSE_OPTIONS = ("unmatched", "scale", "exists", "edited", *SHAPE_OPTIONS)
+ANIMATION_OPTIONS = ("unmatched", "scale", *SHAPE_OPTIONS)
 ATTRIBUTE_OPTIONS = ("vertex_groups", "uv_maps", "colours", "exists")
 
 

@@ -8,7 +8,7 @@ from .inbetween import ArcSettings
 POSE = ("method", "symmetry", "stands", "use_weights", "weld", "stays")
 TRANSFER = (
     *("overlap", "marker_tolerance", "match_distance", "closest"),
-    *("unmatched", "scale", "exists", "edited", "drivers", "contact", "drop_empty", "check"),
+    *("unmatched", "scale", "exists", "edited", "drivers", "contact", "stretch", "drop_empty", "check"),
 )
 INBETWEEN = (*PATH_OPTIONS, *ArcSettings.__annotations__)
 

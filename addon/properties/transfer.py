@@ -34,6 +34,7 @@ from .transfer_options import (
     match_distance_property,
     overlap_property,
     scale_property,
+    stretch_property,
     unmatched_property,
     uv_maps_property,
 )
@@ -214,6 +215,7 @@ class LissomTransfer(bpy.types.PropertyGroup):
     edited: edited_property()
     drivers: drivers_property()
     contact: contact_property()
+    stretch: stretch_property()
     drop_empty: drop_empty_property()
     vertex_groups: groups_property()
     uv_maps: uv_maps_property()

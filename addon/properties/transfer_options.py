@@ -96,6 +96,11 @@ def contact_property():
     return option_property(option("transfer", "contact", "Contact"))
 
 
+def stretch_property():
+    """The option of the same name of lissom.Transfer."""
+    return option_property(option("transfer", "stretch", "Longest Edge", high=1e6, soft_high=10.0))
+
+
 def face_names_property():
     """Which face keys, and what they are called."""
     return EnumProperty(

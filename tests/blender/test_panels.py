@@ -293,7 +293,7 @@ def test_one_button_transfers_what_is_chosen(panels):
     dressed = {"vertex_groups": True, "uv_maps": False, "colours": True, "exists": "RENAME"}
     settings.uv_maps = False
     attributes = ("attributes", shared | dressed)
-    shared |= {"unmatched": "follow", "scale": "target", "contact": True, "name": "Open"}
+    shared |= {"unmatched": "follow", "scale": "target", "contact": True, "stretch": 3.0, "name": "Open"}
     wanted = {
         "POSE": ("pose", shared | {"exists": "RENAME", "edited": "KEEP"}),
         "ANIMATION": ("animation", shared | {"step": 3, "output": "KEYS", "cache_path": "/a.pc2"}),
