@@ -33,7 +33,7 @@ _spec = importlib.util.spec_from_file_location(
 sys.modules["lissom_addon_core"] = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(sys.modules["lissom_addon_core"])
 
-from lissom_addon_core.face import face_work  # noqa: E402
+from lissom_addon_core.face import SOURCE, face_work  # noqa: E402
 from lissom_addon_core.face_found import Unsure  # noqa: E402
 from lissom_addon_core.face_lids import Lids  # noqa: E402
 
@@ -118,7 +118,7 @@ def people_row(told):
         if isinstance(found, Unsure):
             print(f"| {seed} | {kind} | {len(vertices)} | none: {found.why} | | | | | {seconds:.1f} |")
             continue
-        fit, face = found.located.fit, data.face().only(*SKIN)
+        fit, face = found.located.fit, data.face().only(*SOURCE)
         there = part.landmarks >= 0
         marks = vertices[place[part.landmarks[there]]]
         off = np.linalg.norm(fit.fitted_vertices[face.landmarks[there]] - marks, axis=1).mean()

@@ -13,7 +13,8 @@ from .face_parts import Frame, Mouth
 from .refused import Refused
 from .work import Work
 
-SKIN = ("face", "head_and_neck")
+# With what lies behind lids and lips: a head's own would else be matched with these, and hold them.
+SOURCE = ("face", "head_and_neck", "mouth_socket", "eye_sockets")
 CORNERS = [48, 54]  # of the mouth
 STRETCHED = 2.9  # times their length edges of a head that is no person's get at most: 3 is a spike
 ROUNDS = 5  # in which lids come in front of the eyeballs, and what that has stretched is shared
@@ -49,7 +50,7 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
             target = lissom.Mesh(*head)
         except lissom.InvalidMesh as error:
             raise Refused(f"The mesh of the head cannot be used: {error}") from error
-        face = data.face().only(*SKIN)
+        face = data.face().only(*SOURCE)
         kinds_told = told or [""] * (1 + len(parts))
         loose = face_parts.parts(len(head[0]), head[1])[1:]
         pieces = [(head[0], loose, kinds_told[0])]

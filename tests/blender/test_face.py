@@ -6,16 +6,17 @@ import bpy
 import numpy as np
 import pytest
 from bl_ext.user_default.lissom import commands
+from bl_ext.user_default.lissom.core.face_lids import Lids
 from bl_ext.user_default.lissom.jobs.face import FaceAsked, FaceKeys
 from lissom import data, names
 
 SIZE = 0.07  # of the people's units in centimetres
 
 
-def made(name, vertices, face):
+def made(name, vertices, triangles):
     """An object of a part of the face."""
     mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(vertices.tolist(), [], face.triangles.tolist())
+    mesh.from_pydata(vertices.tolist(), [], triangles.tolist())
     obj = bpy.data.objects.new(name, mesh)
     bpy.context.collection.objects.link(obj)
     return obj
@@ -46,7 +47,7 @@ def person():
     }.items():
         kept = np.concatenate([whole.regions[region] for region in regions])
         part = whole.only(*regions)
-        found[name] = made(name, SIZE * (part.neutral + other[np.sort(kept)]), part), part
+        found[name] = made(name, SIZE * (part.neutral + other[np.sort(kept)]), part.triangles), part
     job = FaceKeys(bpy.context, FaceAsked(target="Head", parts="Eyes\nTeeth"))
     return found, job.write(bpy.context, job.work.wait())
 
@@ -85,6 +86,46 @@ def test_eyes_turn_about_their_centres_and_teeth_go_with_the_jaw(person):
     assert done.written["Eyes"] == [name for name in names.TABLES["ARKIT"] if name.startswith("eyeLook")]
 
 
+def test_what_lies_behind_lids_and_lips_does_not_hold_them():
+    """They meet as far as they do on the person, whose head has sockets and is cut otherwise."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    whole = data.face().only("face", "head_and_neck", "mouth_socket", "eye_sockets")
+    random = np.random.default_rng(1)
+    shape = whole.neutral + np.tensordot(random.normal(size=len(whole.modes)), whole.modes, 1)
+    quads = whole.loops.reshape(-1, 4)
+    cut = np.concatenate([quads[:, [0, 1, 3]], quads[:, [1, 2, 3]]])
+    corners = np.arange(len(shape))[:, None].repeat(3, 1)  # of a triangle at each vertex, in which it slides
+    for k in range(3):
+        corners[cut[:, k]] = np.roll(cut, -k, axis=1)
+    away = random.uniform(0, 0.15, (len(shape), 2))
+    away[np.concatenate(list(whole.curves.values()))] = 0
+    weights = np.column_stack([1 - away.sum(axis=1), away])
+
+    def slid(values):
+        return SIZE * np.einsum("nk,nkd->nd", weights, values[corners])
+
+    rest = slid(shape)
+    head = made("Head", rest, cut)
+    assert bpy.ops.lissom.face_keys(target="Head", names="ICT") == {"FINISHED"}
+    known = dict(zip(whole.expression_names, map(slid, whole.expressions), strict=True))
+    outside = whole.regions["face"]
+    errors = [
+        np.linalg.norm((delta(head, name) - answer)[outside]) / np.linalg.norm(answer[outside])
+        for name, answer in known.items()
+    ]
+    assert np.median(errors) < 0.03 and max(errors) < 0.06, (np.median(errors), max(errors))
+    diagonal = np.linalg.norm(np.ptp(rest, axis=0))
+    for curve, keys in {
+        "lid_left": ["eyeBlink_L"],
+        "lid_right": ["eyeBlink_R"],
+        "lips": ["jawOpen", "mouthClose"],
+    }.items():
+        sides = Lids.of(rest, whole.curves[curve])
+        offsets = sum(delta(head, key) for key in keys), sum(known[key] for key in keys)
+        apart, answer = (np.linalg.norm(sides.gaps(rest + by), axis=1).mean() for by in offsets)
+        assert abs(apart - answer) < 1e-3 * diagonal, curve
+
+
 def test_what_is_no_face_is_refused_and_nothing_written():
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.mesh.primitive_torus_add(major_segments=60, minor_segments=30)
@@ -120,8 +161,8 @@ def test_one_mesh_with_its_eyes_is_told_apart_and_parts_are_carried():
     person, lashes = (
         SIZE * (part.neutral + np.tensordot(amounts, part.modes[:3], 1)) for part in (whole, lash)
     )
-    head = made("Head", person, whole)
-    made("Lashes", lashes + [0, -0.01, 0], lash)
+    head = made("Head", person, whole.triangles)
+    made("Lashes", lashes + [0, -0.01, 0], lash.triangles)
     assert bpy.ops.lissom.face_keys(target="Head", parts="Lashes", names="ICT") == {"FINISHED"}
     blink = delta(bpy.data.objects["Lashes"], "eyeBlink_L")
     known = SIZE * lash.expressions[lash.expression_names.index("eyeBlink_L")]
@@ -136,7 +177,7 @@ def test_one_mesh_with_its_eyes_is_told_apart_and_parts_are_carried():
 def test_the_command_writes_keys_and_a_report(tmp_path):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     whole = data.face().only("face", "head_and_neck")
-    made("Head", SIZE * whole.neutral, whole)
+    made("Head", SIZE * whole.neutral, whole.triangles)
     path, out, report = (str(tmp_path / name) for name in ("in.blend", "out.blend", "report.json"))
     bpy.ops.wm.save_as_mainfile(filepath=path)
     words = [
