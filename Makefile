@@ -66,7 +66,7 @@ test-rust:
 	cargo test --release --locked -q -p lissom
 
 test-native: $(WHEEL)
-	.venv/tools/bin/python -m pytest tests/native tests/addon_core
+	.venv/tools/bin/python -m pytest --durations=15 tests/native tests/addon_core
 
 fuzz: $(WHEEL)
 	while PROPTEST_RNG_SEED=$$(date +%s) PROPTEST_CASES=100000 cargo test --release --locked -q -p lissom --test random \
@@ -77,7 +77,7 @@ test-blender: $(BLENDERS:%=test-blender-%)
 	@$(if $(PYTHON313),true,echo "LEFT OUT: Blender 5.2, which needs Python 3.13; set PYTHON313=/path/to/python3.13")
 
 test-blender-%: .venv/bpy-%/ready
-	.venv/bpy-$*/bin/python -m pytest tests/blender
+	.venv/bpy-$*/bin/python -m pytest --durations=15 tests/blender
 
 lint: $(WHEEL)
 	cargo fmt --all --check
