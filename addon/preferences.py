@@ -19,7 +19,7 @@ class Look(NamedTuple):
     number_size: float = 12.0
     ghost_start: tuple[float, float, float] = (0.10, 0.45, 0.85)
     ghost_end: tuple[float, float, float] = (0.95, 0.50, 0.10)
-    ghost_opacity: float = 0.30
+    ghost_opacity: float = 0.85
 
 
 def look():

@@ -23,7 +23,6 @@ POLL_SECONDS = 0.05
 OUTLINE, TRAIL = 1.6, 2.2  # widths in pixels
 LINES = 0.9  # opacity of lines, where nothing hides them
 HIDDEN = 0.3  # and behind the mesh
-SOLID = 0.85  # opacity of the shape at Preview At
 VIEWS = 4  # 3D views whose outlines are kept
 NEARER = Matrix.Diagonal((1.0, 1.0, 0.01, 1.0))  # all depths lie in a hundredth in front
 NEARER[2][3] = -0.98
@@ -76,7 +75,7 @@ class Pictured(Ghost):
         if self._solid[0] != time:
             colours = np.empty((len(shape), 4), dtype=np.float32)
             lit = light(normals(shape, self.triangles))
-            colours[:, :3], colours[:, 3] = lit[:, None] * _colour(self._look, time), SOLID
+            colours[:, :3], colours[:, 3] = lit[:, None] * _colour(self._look, time), self._look.ghost_opacity
             batch = batch_for_shader(
                 shader, "TRIS", {"pos": shape, "color": colours}, indices=self.triangles.astype(np.int32)
             )
