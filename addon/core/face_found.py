@@ -105,7 +105,7 @@ def locate_steps(face, head, marks=None):
         "source_points": marks.source,
         "curves": [[face.curves[name], loop] for name, loop in rims.items()],
     }
-    # The face that comes along has little behind its lips: what turns in there would lie on either lip.
+    # What turns in behind the lips of a cartoon would lie on either lip of the face that comes along.
     behind = [one.behind for one in found if any(one.loop is loop for loop in rims.values())]
     if behind:
         options["target_mask"] = np.concatenate(behind)

@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from . import topology
+
 BEHIND = 4  # loops from the border to the rim at most
 LEAST = 8  # vertices of a rim
 NEAR = 0.6  # of the distance of the eyes: an opening further from where it should be is another
@@ -30,10 +32,7 @@ class Opening(NamedTuple):
 
 def openings(vertices, triangles):
     """The Openings of a mesh that looks along -y, the shortest border first."""
-    sides = np.sort(
-        np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1
-    )
-    edges, times = np.unique(sides, axis=0, return_counts=True)
+    edges, times = topology.edges(triangles)
     beside = {}
     for a, b in edges.tolist():
         beside.setdefault(a, set()).add(b)

@@ -8,6 +8,8 @@ no lines jump from edge to edge as the eye moves. Open borders belong to it from
 
 import numpy as np
 
+from . import topology
+
 MOVES = 0.02  # of the longest way: what moves less has no outline
 TRAILS = 12
 LIGHT = np.array([0.35, -0.70, 0.62])
@@ -32,9 +34,8 @@ def light(unit):
 
 def borders(triangles):
     """(b, 2): the edges that have one triangle."""
-    edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    found, counts = np.unique(edges, axis=0, return_counts=True)
-    return found[counts == 1]
+    edges, times = topology.edges(triangles)
+    return edges[times == 1]
 
 
 def outline(shape, unit, triangles, eye):

@@ -1,4 +1,4 @@
-"""A hash of a mesh's connectivity: equal exactly when the faces are the same, whatever the positions."""
+"""A mesh's connectivity: its edges, and a hash, equal exactly when the faces are, whatever the positions."""
 
 import hashlib
 
@@ -12,3 +12,9 @@ def signature(vertex_count, corner_vertices, face_starts):
         digest.update(np.ascontiguousarray(array, dtype=np.int32).tobytes())
         digest.update(b"|")
     return digest.hexdigest()
+
+
+def edges(triangles):
+    """(m, 2): the edges of (t, 3) triangles, each once, and (m,) how many triangles have it."""
+    sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    return np.unique(sides, axis=0, return_counts=True)
