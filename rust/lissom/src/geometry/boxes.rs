@@ -1,10 +1,7 @@
 //! Which of many boxes a point is near: of a hundred buttons, the one that it may touch.
 
-use super::tree::{Bounds, Tree};
+use super::tree::{Bounds, Tree, squared_limit};
 use crate::Vec3;
-
-/// Reach is meant to include what is just as far; by this part of its square, which rounding loses.
-const ROUNDING: f64 = 1e-12;
 
 /// Boxes around groups of points, in a tree.
 pub struct Boxes {
@@ -28,9 +25,8 @@ impl Boxes {
     /// Those no further than `reach` from a point, ascending; some that are a little further may be among them.
     pub fn within(&self, point: Vec3, reach: f64) -> Vec<usize> {
         let mut found = Vec::new();
-        let limit = reach * reach * (1.0 + ROUNDING) + f64::MIN_POSITIVE;
         if let Some(probe) = self.tree.probe(point, None) {
-            self.tree.nearest(&probe, limit, |slot, _| {
+            self.tree.nearest(&probe, squared_limit(reach), |slot, _| {
                 found.push(self.which[slot as usize] as usize);
                 None::<(f64, ())>
             });

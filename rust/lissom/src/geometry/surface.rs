@@ -7,15 +7,12 @@ use rayon::prelude::*;
 
 use super::ray::crossing;
 use super::rows::Rows;
-use super::tree::{Bounds, Tree};
+use super::tree::{Bounds, Tree, squared_limit};
 use super::triangle::{closest_weights, normal_and_area};
 use crate::Vec3;
 
 #[cfg(test)]
 mod tests;
-
-/// Reach is meant to include what is just as far; by this part of its square, which rounding loses.
-const ROUNDING: f64 = 1e-12;
 
 /// Triangles a task takes at least.
 const GRAIN: usize = 1024;
@@ -267,7 +264,7 @@ impl Surface {
             let leaf = &self.leaves[slot as usize];
             at(leaf, least).map(|(squared, found)| (squared, (leaf.triangle, found)))
         };
-        let limit = reach * reach * (1.0 + ROUNDING) + f64::MIN_POSITIVE;
+        let limit = squared_limit(reach);
         let (squared, (triangle, (weights, point))) = match part {
             Some(part) => self.tree.nearest_of(self.parts.of(part as usize), &probe, limit, at),
             None => self.tree.nearest(&probe, limit, at),

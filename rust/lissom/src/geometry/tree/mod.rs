@@ -28,6 +28,14 @@ const FLAT: f64 = 1e-12;
 /// what the one above has.
 const STACK: usize = 64;
 
+/// Reach is meant to include what is just as far; by this part of its square, which rounding loses.
+const ROUNDING: f64 = 1e-12;
+
+/// The square up to which a search looks that reaches so far.
+pub fn squared(reach: f64) -> f64 {
+    reach * reach * (1.0 + ROUNDING) + f64::MIN_POSITIVE
+}
+
 /// The tree; what it holds has a *slot* each.
 pub struct Tree {
     nodes: Vec<Node>,
