@@ -32,7 +32,7 @@ const STACK: usize = 64;
 const ROUNDING: f64 = 1e-12;
 
 /// The square up to which a search looks that reaches so far.
-pub fn squared(reach: f64) -> f64 {
+pub fn squared_limit(reach: f64) -> f64 {
     reach * reach * (1.0 + ROUNDING) + f64::MIN_POSITIVE
 }
 

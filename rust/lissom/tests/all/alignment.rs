@@ -1,8 +1,6 @@
 //! Alignment without markers: shapes that it must find, and those that it must not be sure of.
 
-mod common;
-
-use common::numbers;
+use crate::common::numbers;
 use lissom::transfer::alignment::{Found, align};
 use lissom::{Error, Job, Mat3, Mesh, Vec3, rotation};
 

@@ -1,8 +1,6 @@
 //! The operators against each other and against values worked out by hand.
 
-mod common;
-
-use common::{numbers, sheet};
+use crate::common::{numbers, sheet};
 use lissom::matrix::outer;
 use lissom::operators::cotangent::cotangent_laplacian;
 use lissom::operators::divergence::divergence;

@@ -1,5 +1,4 @@
 //! Small meshes and repeatable numbers for the tests.
-#![allow(dead_code)]
 
 use lissom::{Mesh, Vec3};
 

@@ -1,10 +1,8 @@
 //! The stitcher: exactness, and equality with the system of fourth vertices that it replaces.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{numbers, sheet};
+use crate::common::{numbers, sheet};
 use lissom::linear::Constraints;
 use lissom::matrix::{dot, norm_squared};
 use lissom::operators::gradient::deformation_gradients;
