@@ -4,6 +4,7 @@ import math
 
 import bpy
 import numpy as np
+from lissom import nearest_rotations
 from mathutils import Euler, Matrix
 
 from ..core import space, turns
@@ -70,7 +71,7 @@ def told_turn(obj, empty, mode, values, linear, transform):
             return None
         at = [Euler(angles, mode).to_matrix() for angles in _ramp(rest[1:], now[1:])]
     placed = matrix_in(obj, empty) @ np.array(empty.matrix_basis.inverted_safe())
-    rotation = turns.nearest_rotations(transform[:3, :3])
+    rotation = nearest_rotations(transform[:3, :3])
     return turns.explained(np.array(at), linear @ placed[:3, :3], rotation)
 
 

@@ -1,8 +1,7 @@
 """The part of a mesh under a brush: what becomes a handle by a click."""
 
 import numpy as np
-
-from .turns import nearest_rotations
+from lissom import nearest_rotations
 
 
 def touched(points, edges, vertex, radius):

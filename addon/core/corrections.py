@@ -3,8 +3,7 @@
 import zlib
 
 import numpy as np
-
-from .turns import nearest_rotations
+from lissom import nearest_rotations
 
 # Rounding that a key may go through without being edited: written, shifted along with its Basis, read.
 NOISE = 8 * float(np.finfo(np.float32).eps)  # of the largest coordinate

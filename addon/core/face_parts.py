@@ -5,10 +5,10 @@ All of it in the face's own frame: x to its left, y to its back, z up. A Frame s
 
 from typing import NamedTuple
 
+import lissom
 import numpy as np
 
 from .brush import rigid
-from .suggest import pieces
 
 KINDS = ("EYE", "UPPER", "LOWER", "RIDE")
 ROUND = 0.08  # of the radius: root mean square distance from a sphere of what is an eyeball
@@ -94,7 +94,7 @@ def balls(points, pieces, told=""):
 
 def parts(count, triangles, least=4):
     """Lists of vertices, each of one connected piece, the largest first; tiny ones are left out."""
-    label = pieces(count, triangles)
+    label = lissom.components(count, triangles)
     used = np.unique(triangles)
     found = [used[label[used] == number] for number in np.unique(label[used])]
     return sorted((one for one in found if len(one) >= least), key=len, reverse=True)

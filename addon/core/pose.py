@@ -4,11 +4,12 @@ from typing import NamedTuple
 
 import lissom
 import numpy as np
+from lissom import nearest_rotations, rotation_vectors
 
 from . import stays
 from .mirrors import NONE
 from .refused import Refused, first
-from .turns import UNTURNED, nearest_rotations, rotation_vectors
+from .turns import UNTURNED
 from .work import Work
 
 # Empties keep their place in single precision: below this part of the mesh's extent a handle stands still.

@@ -1,8 +1,7 @@
 """A region of a mesh, and where it is in an artist's words."""
 
+import lissom
 import numpy as np
-
-from .suggest import pieces
 
 NEAR = 0.1  # of the diagonal: so near to a marker a region is called by its name
 _SIDES = (
@@ -16,9 +15,9 @@ def largest_piece(triangles, count):
     """The vertices (k,), of ``count``, of the largest piece that some triangles (m, 3) form; None of none."""
     if not len(triangles):
         return None
-    piece = pieces(count, triangles)
+    component = lissom.components(count, triangles)
     used = np.unique(triangles)
-    return used[piece[used] == np.bincount(piece[used]).argmax()]
+    return used[component[used] == np.bincount(component[used]).argmax()]
 
 
 def words(place, vertices, marked, names):

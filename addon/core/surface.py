@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+import lissom
 import numpy as np
 
 DIGITS = 6  # of a weight: those that single precision keeps, so that scene and file have the same
@@ -62,37 +63,5 @@ def closest(vertices, triangles, places):
 
     ``vertices`` (n, 3), ``triangles`` (m, 3), at least one.
     """
-    centres = vertices[triangles].mean(axis=1)
-    radii = np.linalg.norm(vertices[triangles] - centres[:, None], axis=2).max(axis=1)
-    points, away = [], []
-    for place in places:
-        far = np.linalg.norm(centres - place, axis=1)
-        near = np.flatnonzero(far - radii <= (far + radii).min())
-        corners = vertices[triangles[near]]
-        weights = closest_weights(corners, np.asarray(place, dtype=np.float64))
-        distances = np.linalg.norm(np.einsum("tc,tcx->tx", weights, corners) - place, axis=1)
-        best = int(distances.argmin())
-        points.append(Point.of(triangles[near[best]].tolist(), weights[best]))
-        away.append(distances[best])
-    return points, np.array(away)
-
-
-def closest_weights(corners, place):
-    """(m, 3): barycentric coordinates of the point of each triangle, (m, 3, 3), nearest to a place (3,)."""
-    sides = np.roll(corners, -1, axis=1) - corners
-    lengths = np.einsum("tcx,tcx->tc", sides, sides)
-    along = np.einsum("tcx,tcx->tc", place - corners, sides) / np.where(lengths > 0, lengths, 1)
-    along = np.clip(along, 0, 1)
-    off = corners + along[..., None] * sides - place
-    side = np.einsum("tcx,tcx->tc", off, off).argmin(axis=1)  # the nearest of the three
-    rows = np.arange(len(corners))
-    weights = np.zeros((len(corners), 3))
-    weights[rows, side] = 1 - along[rows, side]
-    weights[rows, (side + 1) % 3] = along[rows, side]
-    normals = np.cross(sides[:, 0], -sides[:, 2])
-    areas = np.einsum("tx,tx->t", normals, normals)
-    opposite = np.cross(np.roll(sides, -1, axis=1), place - np.roll(corners, -1, axis=1))
-    inner = np.einsum("tcx,tx->tc", opposite, normals) / np.where(areas > 0, areas, 1)[:, None]
-    inside = (areas > 0) & (inner > 0).all(axis=1)
-    weights[inside] = inner[inside]
-    return weights
+    found, weights, away = lissom.closest_points(vertices, triangles, places)
+    return [Point.of(*point) for point in zip(triangles[found].tolist(), weights, strict=True)], away

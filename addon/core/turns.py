@@ -5,8 +5,7 @@ lifts the matrix's own rotation to the branch nearest to it.
 """
 
 import numpy as np
-
-TAU = 2 * np.pi
+from lissom import nearest_rotations, rotation_vectors
 
 # Beside a channel that has gone through more than half a turn, others may have gone this far. Further, and
 # the same matrix has several equally good stories.
@@ -22,35 +21,6 @@ UNTURNED = 1e-4
 # Channels tell the turns of an Empty where they explain its rotation to within this angle: not where a
 # constraint or another parent turns it.
 EXPLAINED = 0.05
-
-
-def rotation_vectors(rotations):
-    """(..., 3): axis times angle, at most pi, of rotations (..., 3, 3).
-
-    By the eigenvector of Bar-Itzhack (2000), New Method for Extracting the Quaternion from a Rotation Matrix,
-    which is as good near half a turn as anywhere.
-    """
-    r = np.asarray(rotations, dtype=np.float64)
-    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = np.moveaxis(r, (-2, -1), (0, 1))
-    rows = [
-        [xx - yy - zz, yx + xy, zx + xz, zy - yz],
-        [yx + xy, yy - xx - zz, zy + yz, xz - zx],
-        [zx + xz, zy + yz, zz - xx - yy, yx - xy],
-        [zy - yz, xz - zx, yx - xy, xx + yy + zz],
-    ]
-    matrix = np.moveaxis(np.array(rows), (0, 1), (-2, -1))
-    quaternion = np.linalg.eigh(matrix)[1][..., -1]
-    quaternion = np.where(quaternion[..., 3:] < 0, -quaternion, quaternion)
-    size = np.linalg.norm(quaternion[..., :3], axis=-1, keepdims=True)
-    angle = 2 * np.arctan2(size, quaternion[..., 3:])
-    return quaternion[..., :3] * np.divide(angle, size, out=np.full_like(size, 2.0), where=size > 1e-12)
-
-
-def nearest_rotations(linear):
-    """(..., 3, 3): the rotations nearest to linear maps (..., 3, 3)."""
-    u, _, vt = np.linalg.svd(linear)
-    u[..., 2] *= np.sign(np.linalg.det(u @ vt))[..., None]
-    return u @ vt
 
 
 def only_moved(transforms, origins, extent):
@@ -89,15 +59,9 @@ def explained(path, placed, rotation):
 
 def follow(near, rotation):
     """(3,): the turn of a rotation (3, 3) that has just been at about ``near`` (3,)."""
-    own = rotation_vectors(rotation)
-    angle = np.linalg.norm(own)
-    if angle > 1e-9:
-        axis = own / angle
-        lifted = axis * (angle + TAU * np.round((near @ axis - angle) / TAU))
-        if np.linalg.norm(lifted - near) <= NEAR:
-            return lifted
+    lifted = rotation_vectors(rotation, near)
     # Near whole turns the matrix says nothing of their axis.
-    return near
+    return lifted if np.linalg.norm(lifted - near) <= NEAR else near
 
 
 class Tracker:

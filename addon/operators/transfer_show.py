@@ -10,7 +10,6 @@ from ..bridge import markers as bridge_markers
 from ..bridge.meshes import select_vertices
 from ..core import markers
 from ..core.refused import Refused
-from ..core.suggest import suggest
 from ..jobs.fit import remembered
 from ..jobs.fit_shown import coloured, hide, show
 from ..translations import translated
@@ -108,12 +107,12 @@ class LISSOM_OT_marker_suggest(bpy.types.Operator):
             raise Refused("The markers were changed since the last fit: press Fit again")
         counts = len(source.parts[0].vertices), len(target.parts[0].vertices)
         # Markers lie on the first object of each side.
-        vertices, triangles = source.geometry()
-        marked = np.array([marker.source for marker in known])
-        near = target.rest()[: counts[1]].copy()
-        near[[marker.target for marker in known]] = np.inf
-        found = suggest(memory.fit, (vertices, triangles), near, marked)
-        if found is None or found[0] >= counts[0]:
+        beyond = [
+            np.arange(count, len(side.rest())) for count, side in zip(counts, (source, target), strict=True)
+        ]
+        pairs = [(marker.source, marker.target) for marker in known]
+        found = memory.fit.next_marker(pairs, source_mask=beyond[0], target_mask=beyond[1])
+        if found is None:
             raise Refused("There is no vertex left that a marker would help")
         marker = markers.Marker(f"Suggested {len(known) + 1}", *found)
         markers.check([*known, marker], *counts)

@@ -9,6 +9,7 @@ is what ``x`` returns.
 """
 
 from . import data, names
+from ._geometry import closest_points, components, nearest_rotations, rotation_vectors
 from ._image import ImageMesh, image_mesh, start_image_mesh
 from ._inbetween import Blend, Inbetween, Keyframes, start_blend, start_inbetween
 from ._learn import Learned, learn, start_learn
@@ -72,12 +73,16 @@ __all__ = [
     "TransferReport",
     "Transferred",
     "__version__",
+    "closest_points",
+    "components",
     "data",
     "fit_correspondence",
     "image_mesh",
     "learn",
     "names",
+    "nearest_rotations",
     "options",
+    "rotation_vectors",
     "start_blend",
     "start_fit",
     "start_image_mesh",

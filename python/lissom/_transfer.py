@@ -105,6 +105,19 @@ class Fit:
     """How well it went."""
     _core: _native.Fit = field(repr=False)
 
+    def next_marker(
+        self, markers: ArrayLike, *, source_mask: ArrayLike = (), target_mask: ArrayLike = ()
+    ) -> tuple[int, int] | None:
+        """Where one more marker helps most: a source vertex, and the target vertex to correct by eye.
+
+        That is where the fit has stretched the source most, far from ``markers`` (k, 2), among the components
+        that bear some; None where every vertex has one. Vertices of the masks are none that are proposed.
+        Raises InvalidConstraint for indices out of range.
+        """
+        fitted = self.fitted_vertices, self.distances, self.stretch
+        found = self._core.next_marker(fitted, markers, (source_mask, target_mask))
+        return None if found is None else (int(found[0]), int(found[1]))
+
 
 def start_fit(
     source: Mesh,

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from lissom import rotation_vectors
 from lissom_addon_core import turns
 from numpy.testing import assert_allclose
 
@@ -16,15 +17,6 @@ def rotation(vector):
     x, y, z = np.asarray(vector) / angle
     k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k
-
-
-@pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-4, 1.0, 3.0, np.pi - 1e-7, np.pi])
-def test_rotation_vectors_invert_the_exponential(angle):
-    for axis in RANDOM.normal(size=(20, 3)):
-        axis /= np.linalg.norm(axis)
-        found = turns.rotation_vectors(rotation(angle * axis))
-        sign = np.sign(found @ axis) if angle > 3.1 else 1.0  # half a turn has two
-        assert_allclose(sign * found, angle * axis, atol=1e-8)
 
 
 @pytest.mark.parametrize("whole", [0.4, -3.3, 4 * np.pi, -27.0])
@@ -68,8 +60,8 @@ def test_turns_are_counted_from_look_to_look_without_drift():
         matrix[:3, :3] = rotation([0, 0, 20 * t]) @ rotation([0.4 * np.sin(60 * t), 0, 0])  # it wobbles
         found = tracker.turns(np.array([matrix, np.eye(4)]), [None, None])
     assert np.linalg.norm(found[0] - [0, 0, 20]) < np.pi
-    own = turns.rotation_vectors(matrix[:3, :3])
-    lifted = own / np.linalg.norm(own) * (np.linalg.norm(own) + turns.TAU * np.array([-4, -3, 3, 4])[:, None])
+    own = rotation_vectors(matrix[:3, :3])
+    lifted = own / np.linalg.norm(own) * (np.linalg.norm(own) + 2 * np.pi * np.array([-4, -3, 3, 4])[:, None])
     assert np.linalg.norm(lifted - found[0], axis=1).min() < 1e-6  # a branch of the matrix's own, to the end
     assert_allclose(found[1], 0, atol=1e-12)
 
@@ -78,5 +70,5 @@ def test_less_than_half_a_turn_is_left_to_the_matrix():
     matrix = np.eye(4)
     matrix[:3, :3] = rotation([3.0, 0, 0])
     assert turns.Tracker().turns(matrix[None], [None]) is None
-    told = turns.Tracker().turns(matrix[None], [np.array([3.0 - turns.TAU, 0, 0])])
-    assert_allclose(told, [[3.0 - turns.TAU, 0, 0]])
+    told = turns.Tracker().turns(matrix[None], [np.array([3.0 - 2 * np.pi, 0, 0])])
+    assert_allclose(told, [[3.0 - 2 * np.pi, 0, 0]])

@@ -1,7 +1,7 @@
 //! Array checks, in one place: every message names the argument.
 
 use lissom::mesh::Plane;
-use lissom::{Error, Fault, Mat4, Vec3, memory};
+use lissom::{Error, Fault, Mat3, Mat4, Vec3, memory};
 use numpy::{
     PyArray, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods,
 };
@@ -149,6 +149,13 @@ pub fn matrices(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Mat4>> {
     })
 }
 
+/// (k, 3, 3) linear maps, row by row as numpy has them.
+pub fn maps(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Mat3>> {
+    floats(name, value, &[-1, 3, 3], |_, values| {
+        values.chunks_exact(9).map(|m| Mat3::from_cols_slice(m).transpose()).collect()
+    })
+}
+
 /// (k,) numbers.
 pub fn numbers(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     floats(name, value, &[-1], |_, values| values.to_vec())
@@ -262,6 +269,13 @@ pub fn from_channels(py: Python<'_>, values: Vec<f64>, shape: &[usize]) -> PyRes
 fn from_rows<const N: usize>(py: Python<'_>, rows: &[[u32; N]]) -> PyResult<Py<PyAny>> {
     let values = rows.iter().flatten().map(|&v| i64::from(v));
     let array = PyArray::from_iter(py, values).reshape([rows.len(), N])?;
+    Ok(array.into_any().unbind())
+}
+
+/// Linear maps as a (k, 3, 3) float64 array.
+pub fn from_maps(py: Python<'_>, maps: &[Mat3]) -> PyResult<Py<PyAny>> {
+    let values = maps.iter().flat_map(|m| m.transpose().to_cols_array());
+    let array = PyArray::from_iter(py, values).reshape([maps.len(), 3, 3])?;
     Ok(array.into_any().unbind())
 }
 

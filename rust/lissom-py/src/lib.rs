@@ -3,6 +3,7 @@
 
 mod arrays;
 mod errors;
+mod geometry;
 mod image;
 mod inbetween;
 mod job;
@@ -44,6 +45,10 @@ fn native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(inbetween::start_inbetween, module)?)?;
     module.add_function(wrap_pyfunction!(inbetween::start_blend, module)?)?;
     module.add_function(wrap_pyfunction!(image::start_image_mesh, module)?)?;
+    module.add_function(wrap_pyfunction!(geometry::rotation_vectors, module)?)?;
+    module.add_function(wrap_pyfunction!(geometry::nearest_rotations, module)?)?;
+    module.add_function(wrap_pyfunction!(geometry::components, module)?)?;
+    module.add_function(wrap_pyfunction!(geometry::closest_points, module)?)?;
     module.add_function(wrap_pyfunction!(job::_panic, module)?)?;
     // What is public, the Python layer says.
     module.delattr("__all__")

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use lissom::transfer::{
-    Correspondence, Doubtful, Fit, FitOptions, KeyQuality, SurfacePoint, Transfer, TransferOptions,
-    Transferred, fit_correspondence,
+    Correspondence, Doubtful, Fit, FitOptions, Fitted, KeyQuality, SurfacePoint, Transfer, TransferOptions,
+    Transferred, fit_correspondence, next_marker,
 };
-use lissom::{Error, Fault, Mesh, Vec3};
+use lissom::{Error, Fault, Job, Mesh, Vec3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -19,6 +19,31 @@ use crate::{arrays, fields, options};
 pub struct PyFit {
     matches: Correspondence,
     meshes: [Arc<Mesh>; 2],
+}
+
+#[pymethods]
+impl PyFit {
+    /// (source vertex, target vertex) of the marker to add next, or None.
+    fn next_marker(
+        &self,
+        py: Python<'_>,
+        fitted: [Bound<'_, PyAny>; 3],
+        markers: &Bound<'_, PyAny>,
+        masks: [Bound<'_, PyAny>; 2],
+    ) -> PyResult<Py<PyAny>> {
+        let fitted = Fitted {
+            vertices: arrays::points("fitted_vertices", &fitted[0])?,
+            distances: arrays::numbers("distances", &fitted[1])?,
+            stretch: arrays::numbers("stretch", &fitted[2])?,
+        };
+        let markers = arrays::pairs("markers", markers)?;
+        let source_mask = arrays::vertex_list("source_mask", &masks[0])?;
+        let target_mask = arrays::vertex_list("target_mask", &masks[1])?;
+        let [source, target] = self.meshes.clone();
+        let work =
+            move |_: &Job| next_marker([&source, &target], &fitted, &markers, [&source_mask, &target_mask]);
+        PyJob::start(work, |py, found| Ok(found.into_pyobject(py)?.into_any().unbind()))?.result(py)
+    }
 }
 
 /// Fits `source` to `target`, without markers by their shapes: the job's result is (a `Fit`, arrays, report).

@@ -13,7 +13,8 @@ pub struct Components {
 }
 
 impl Components {
-    pub(super) fn of(vertices: usize, triangles: &[[u32; 3]]) -> Self {
+    /// Of `vertices` vertices that `triangles` join.
+    pub fn of(vertices: usize, triangles: &[[u32; 3]]) -> Self {
         let pairs = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [a, c]]);
         let groups = Groups::joining(vertices, pairs);
         let mut used = vec![false; vertices];

@@ -57,7 +57,7 @@ mod verdict;
 
 pub use apply::{Transfer, Transferred};
 pub use correspondence::Correspondence;
-pub use fit::{Doubtful, Fit, FitOptions, FitReport, fit_correspondence};
+pub use fit::{Doubtful, Fit, FitOptions, FitReport, Fitted, fit_correspondence, next_marker};
 pub use image::SurfacePoint;
 pub use learn::{Corrected, Learned, learn};
 pub use options::{Frames, LearnOptions, Scale, TransferOptions, Unmatched, Weighting};

@@ -33,8 +33,10 @@ mod pulls;
 mod registration;
 mod same;
 mod side;
+mod suggest;
 
 pub use correspond::fit_correspondence;
 pub use diagnosis::{Fit, FitReport, STRETCHED};
 pub use doubtful::Doubtful;
 pub use options::FitOptions;
+pub use suggest::{Fitted, next_marker};

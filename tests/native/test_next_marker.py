@@ -2,11 +2,18 @@
 
 import lissom
 import numpy as np
+import pytest
 from faces import root_mean_square, triangulate
-from lissom_addon_core.suggest import pieces, suggest
 
 FACE = 9409  # vertices of the face come first
 EXPRESSION = ("jawOpen", "mouthSmile_L", "browInnerUp_L", "browInnerUp_R", "eyeSquint_L", "cheekPuff_R")
+
+
+def nearest(points, place, taken):
+    """The one of ``points`` (n, 3) nearest to a place that is not ``taken``."""
+    away = np.linalg.norm(points - place, axis=1)
+    away[taken] = np.inf
+    return away.argmin()
 
 
 def test_two_suggested_markers_help(data):
@@ -29,26 +36,32 @@ def test_two_suggested_markers_help(data):
     first = list(archive["landmarks"][[8, 30, 36, 45]])
     markers, (fit, before) = list(first), fitted(first)
     for _ in range(2):
-        vertex, counterpart = suggest(fit, (neutral, faces), known, np.array(markers))
-        assert vertex not in markers and counterpart == np.argmin(
-            np.linalg.norm(known - fit.fitted_vertices[vertex], axis=1)
-        )
+        vertex, counterpart = fit.next_marker(np.column_stack([markers, markers]))
+        assert vertex not in markers and counterpart == nearest(known, fit.fitted_vertices[vertex], markers)
         markers.append(vertex)
         fit, after = fitted(markers)
     # Measured 0.776 and 0.726: a fit by planes is nearly there by four markers, and any others do as much.
     assert after < 0.97 * before
 
 
-def test_only_pieces_with_markers_and_free_vertices_are_suggested():
+def test_only_components_with_markers_and_free_vertices_are_proposed():
     grid = np.array([[x, y, 0.2 * x * y] for x in range(4) for y in range(4)], float)
     squares = [(4 * x + y, 4 * x + y + 1, 4 * x + y + 5, 4 * x + y + 4) for x in range(3) for y in range(3)]
     faces = np.array([t for a, b, c, d in squares for t in ((a, b, c), (a, c, d))])
     vertices = np.concatenate([grid, grid + [10, 0, 0]])
     both = np.concatenate([faces, faces + 16])
-    assert len(set(pieces(32, both))) == 2 and len(set(pieces(40, both))) == 10
     mesh = lissom.Mesh(vertices, both)
     stretched = lissom.Mesh(vertices * [1, 3, 1], both[::-1])
     fit = lissom.fit_correspondence(mesh, stretched, [(0, 0), (3, 3), (15, 15)], target_mask=[20])
-    vertex, _ = suggest(fit, (vertices, both), vertices * [1, 3, 1], np.array([0, 3, 15]))
+    markers = np.array([(0, 0), (3, 3), (15, 15)])
+    vertex, _ = fit.next_marker(markers)
     assert vertex < 16 and vertex not in (0, 3, 15)
-    assert suggest(fit, (vertices, both), vertices, np.arange(16)) is None
+    other, at = fit.next_marker(markers, source_mask=[vertex], target_mask=np.arange(16))
+    assert other < 16 and other != vertex and at >= 16
+    assert fit.next_marker(np.column_stack([range(16), range(16)])) is None
+    assert fit.next_marker(markers, source_mask=np.arange(16)) is None
+    assert fit.next_marker(markers, target_mask=np.arange(32)) is None
+    with pytest.raises(lissom.InvalidConstraint, match="target_mask"):
+        fit.next_marker(markers, target_mask=[32])
+    with pytest.raises(lissom.InvalidConstraint, match="markers"):
+        fit.next_marker([(0, 32)])
