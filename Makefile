@@ -42,10 +42,13 @@ $(WHEEL): $(TOOLS) $(RUST) $(PYTHON_SOURCE) LICENSE THIRD_PARTY.txt
 	.venv/tools/bin/python $(PIP_INSTALL) --force-reinstall --no-deps dist/*.whl
 	touch $@
 
-# One environment per Blender: .venv/bpy-4.2 and so on.
-.venv/bpy-%/ready: $(WHEEL)
-	test -x .venv/bpy-$*/bin/python || $(if $(filter 5.2,$*),$(PYTHON313),$(PYTHON)) -m venv .venv/bpy-$*
+# One environment per Blender: .venv/bpy-4.2 and so on. It is fetched while the wheel is built.
+.venv/bpy-%/blender:
+	$(if $(filter 5.2,$*),$(PYTHON313),$(PYTHON)) -m venv .venv/bpy-$*
 	.venv/bpy-$*/bin/python $(PIP_INSTALL) 'bpy==$*.*' 'pytest>=8,<10' 'pillow>=11'
+	touch $@
+
+.venv/bpy-%/ready: .venv/bpy-%/blender $(WHEEL)
 	.venv/bpy-$*/bin/python $(PIP_INSTALL) --force-reinstall --no-deps dist/*.whl
 	.venv/bpy-$*/bin/python -c 'import bpy' || { echo; \
 		echo "Blender as a module needs these system libraries (Debian's names):"; \

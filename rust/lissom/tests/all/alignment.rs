@@ -1,6 +1,6 @@
 //! Alignment without markers: shapes that it must find, and those that it must not be sure of.
 
-use crate::common::numbers;
+use crate::common::{numbers, sheet};
 use lissom::transfer::alignment::{Found, align};
 use lissom::{Error, Job, Mat3, Mesh, Vec3, rotation};
 
@@ -126,10 +126,10 @@ fn of_symmetric_shapes_the_least_rotation_is_taken_and_not_trusted() {
 
 #[test]
 fn shapes_with_nothing_in_common_are_not_trusted() {
-    let sheet = common::sheet(12);
+    let flat = sheet(12);
     let star = mesh(ball(16, |p| p.normalize() * (1.0 + 0.5 * (7.0 * p.x).sin() * (6.0 * p.y).cos())));
     let lump = mesh(ball(16, lump));
-    for (source, target) in [(&sheet, &lump), (&lump, &sheet), (&star, &sheet), (&sheet, &star)] {
+    for (source, target) in [(&flat, &lump), (&lump, &flat), (&star, &flat), (&flat, &star)] {
         let found = found(source, target);
         assert!(found.certainty < 0.25, "{found:?}");
         assert!(found.scale > 1e-3 && found.scale < 1e3);
