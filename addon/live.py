@@ -1,9 +1,10 @@
 """The mesh follows its handles while an Empty moves.
 
 Blender tells of moved objects after each update of the dependency graph. With a window, the solve then
-waits for a timer, so that many mouse moves make one solve and the view is drawn in between; an iterative
-method that stops early goes on from there while nothing moves. In background mode, where timers do not run,
-the solve is done at once. Only moved Empties count, and the solve moves none: it cannot call itself.
+runs beside it and a timer looks whether it is done: many mouse moves make one solve, and the view is drawn
+in between; an iterative method that stops early goes on from there while nothing moves. In background mode,
+where timers do not run, the solve is done at once. Only moved Empties count, and the solve moves none: it
+cannot call itself.
 """
 
 import time
@@ -17,28 +18,48 @@ from .bridge.screen import redraw_sidebars
 from .jobs import applied, bound
 
 _due = set()  # session_uids of mesh objects to solve
-_delay = 0.0  # seconds until the next solve: half of what the last one took, to leave time for drawing
-MAX_DELAY = 0.25
+_running = {}  # session_uid -> Work that solves it
 BUDGET = 1 / 60  # seconds that an iterative method may take in one go while the artist watches
+PATIENCE = 1 / 125  # seconds in which a solve is waited for: what takes longer is shown when it is done
+POLL = 1 / 250
 
 
 def mark(obj):
     """Has the pose of a bound mesh object solved at the next occasion."""
     _due.add(obj.session_uid)
     if not bpy.app.background and not bpy.app.timers.is_registered(_flush):
-        bpy.app.timers.register(_flush, first_interval=_delay)
+        bpy.app.timers.register(_flush, first_interval=0.0)
 
 
 def _flush():
-    global _delay
-    started = time.perf_counter()
     for uid in list(_due):
-        obj = by_uid(uid)
-        if obj is None or not bound.follow(obj, BUDGET):
+        if not _go_on(uid):
             _due.discard(uid)
-    _delay = min(0.5 * (time.perf_counter() - started), MAX_DELAY)
+    return POLL if _due else None
+
+
+def _go_on(uid):
+    """Starts to solve an object, or looks whether that is done; whether there is more to do."""
+    obj, work = by_uid(uid), _running.pop(uid, None)
+    if obj is None:
+        return False
+    if work is None:
+        work = bound.following(obj, BUDGET)
+    until = time.perf_counter() + PATIENCE
+    while not work.poll():
+        if time.perf_counter() > until:
+            _running[uid] = work
+            return True
+        time.sleep(PATIENCE / 16)
     redraw_sidebars()
-    return _delay if _due else None
+    return work.result
+
+
+def _stop():
+    for work in _running.values():
+        work.cancel()
+    _running.clear()
+    _due.clear()
 
 
 @persistent
@@ -83,7 +104,7 @@ def _on_history(*_):
 @persistent
 def _on_load(*_):
     session.history += 1
-    _due.clear()
+    _stop()
     session.clear()
     bound = list(filter(applied.bound_mesh, bpy.data.objects))
     if bound:
@@ -113,5 +134,5 @@ def unregister():
     changes.handle_turn.remove(mark)
     if bpy.app.timers.is_registered(_flush):
         bpy.app.timers.unregister(_flush)
-    _due.clear()
+    _stop()
     session.clear()

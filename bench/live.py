@@ -34,12 +34,7 @@ def bound(method):
     """nefertiti with both ends as handles."""
     vertices, faces = pose.model("nefertiti")
     handles, _ = pose.bend(vertices)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    data = bpy.data.meshes.new("nefertiti")
-    data.from_pydata(vertices.tolist(), [], faces.tolist())
-    obj = bpy.data.objects.new("nefertiti", data)
-    bpy.context.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
+    obj = pose.in_blender(vertices, faces)
     for name, members in zip(("held", "moved"), handles, strict=True):
         obj.vertex_groups.new(name=name).add(members.tolist(), 1.0, "REPLACE")
         bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group=name)
@@ -55,15 +50,15 @@ def play(obj):
     handle = obj.lissom_pose.handles["moved"].empty
     whole, ours, solves = [], [], []
     native = session.poses[obj.session_uid]
-    solve = native.solve
+    steps = native.steps
 
     def timed(*arguments, **options):
         begin = time.perf_counter()
-        result = solve(*arguments, **options)
+        result = yield from steps(*arguments, **options)
         solves.append(time.perf_counter() - begin)
         return result
 
-    native.solve = timed
+    native.steps = timed
     for _ in range(MOVES):
         handle.rotation_euler.z += np.radians(1.0)
         begin = time.perf_counter()

@@ -167,18 +167,27 @@ def solid():
     return results
 
 
+def in_blender(vertices, faces):
+    """The only object of a scene."""
+    import bpy
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    data = bpy.data.meshes.new("Model")
+    data.from_pydata(vertices.tolist(), [], faces.tolist())
+    obj = bpy.data.objects.new("Model", data)
+    bpy.context.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    return obj
+
+
 def laplacian_deform():
     """nefertiti: bind and update, against Blender's Laplacian Deform modifier."""
     import bpy
 
     vertices, faces = model("nefertiti")
     handles, transforms = bend(vertices)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    data = bpy.data.meshes.new("nefertiti")
-    data.from_pydata(vertices.tolist(), [], faces.tolist())
-    obj = bpy.data.objects.new("nefertiti", data)
-    bpy.context.collection.objects.link(obj)
-    bpy.context.view_layer.objects.active = obj
+    obj = in_blender(vertices, faces)
+    data = obj.data
     group = obj.vertex_groups.new(name="anchors")
     group.add(np.concatenate(handles).tolist(), 1.0, "REPLACE")
     modifier = obj.modifiers.new("deform", "LAPLACIANDEFORM")

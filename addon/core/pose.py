@@ -164,6 +164,7 @@ class BoundPose:
         self.extent = np.linalg.norm(np.ptp(vertices, axis=0))
         self._handles = handles
         self._seconds = None  # of one iteration, in the last solve
+        self.breaks = 0  # counts how often something else than a solve was shown
         self.put_to_rest()
 
     def put_to_rest(self):
@@ -171,11 +172,13 @@ class BoundPose:
         self._motion = Motion(np.tile(np.eye(4), (self._handles, 1, 1)))
         self._converged = True
         self._warm = False
+        self.breaks += 1
 
     def forget(self):
         """What is shown is not the last solve: the next occasion solves, and from the rest shape."""
         self._motion = None
         self._warm = False
+        self.breaks += 1
 
     def beyond_half_a_turn(self):
         """(h,) bool: the handles that had turned so far, all told, at the last solve."""
@@ -222,12 +225,8 @@ class BoundPose:
         by_itself = list(motion.by_itself)
         return {"turns": motion.turns, "by_itself": by_itself, "warm_start": warm, **options}
 
-    def solve(self, motion, **options):
-        """One solve, at once: (n, 3) in solve space and the report; ``options`` of lissom.Pose.solve."""
-        return self._note(motion, self.pose.solve(motion.transforms, **self._arguments(motion, options)))
-
     def work(self, motion, **options):
-        """The same on a thread of its own, as Work; its result is that of ``solve``."""
+        """One solve as Work: (n, 3) in solve space and the report; ``options`` of lissom.Pose.solve."""
 
         def steps():
             return (yield from self.steps(motion, **options))

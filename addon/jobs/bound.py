@@ -6,11 +6,12 @@ import lissom
 import numpy as np
 
 from .. import session
-from ..bridge import company, groups, meshes, mirrors, poses, shape_keys, standing
+from ..bridge import checks, company, groups, meshes, mirrors, poses, shape_keys, standing
 from ..core import pose as core_pose
 from ..core import space
 from ..core.pose import check_groups
 from ..core.refused import Refused
+from ..core.work import Work
 
 
 def bind_work(obj, linear, asked, skin=None):
@@ -102,8 +103,22 @@ def show(obj, vertices):
         shape_keys.write_points(key, shape)
 
 
+def following(obj, seconds=None):
+    """Work that solves a bound object if its handles moved, within about ``seconds``, and shows it.
+
+    Its result is whether it wants more.
+
+    What was undone, reset, unbound, removed or put into another mode meanwhile is not touched.
+    """
+    return Work(_follow(obj, obj.session_uid, seconds))
+
+
 def follow(obj, seconds=None):
-    """Solves a bound object if its handles moved, within about ``seconds``; True where it wants more."""
+    """The same at once: whether it wants more."""
+    return following(obj, seconds).wait()
+
+
+def _follow(obj, uid, seconds):
     settings = obj.lissom_pose
     if not (settings.bound and settings.live) or obj.mode != "OBJECT":
         return False
@@ -115,19 +130,22 @@ def follow(obj, seconds=None):
             return False
         poses.preview(obj)
         options = {"max_iterations": pose.iterations_within(seconds, motion)} if seconds else {}
-        vertices, _ = pose.solve(motion, **options)
+        breaks = pose.breaks
+        vertices, _ = yield from pose.steps(motion, **options)
+        obj = checks.by_uid(uid)
+        same = pose.breaks == breaks and session.poses.get(uid) is pose
+        if obj is None or obj.mode != "OBJECT" or not same:
+            pose.forget()
+            return obj is not None
         show(obj, vertices)
     except (Refused, lissom.Error) as error:
-        session.status[obj.session_uid] = ("ERROR", str(error))
+        session.status[uid] = ("ERROR", str(error))
         return False
     except Exception as error:  # a bug of ours: shown and printed once, not at every move of the mouse
-        settings.live = False
-        session.status[obj.session_uid] = ("ERROR", f"Live is off after an error: {error}")
+        obj.lissom_pose.live = False
+        session.status[uid] = ("ERROR", f"Live is off after an error: {error}")
         raise
-    session.status[obj.session_uid] = (
-        "CHECKMARK",
-        f"Solved in {1e3 * (time.perf_counter() - started):.0f} ms",
-    )
+    session.status[uid] = ("CHECKMARK", f"Solved in {1e3 * (time.perf_counter() - started):.0f} ms")
     return not pose.converged
 
 

@@ -340,7 +340,7 @@ def test_an_update_solves_once_and_none_where_nothing_moved(monkeypatch):
     obj = scene.bound_tube()
     solved = []
     bound = session.poses[obj.session_uid]
-    monkeypatch.setattr(bound, "solve", lambda *a, **k: solved.append(1) or type(bound).solve(bound, *a, **k))
+    monkeypatch.setattr(bound, "steps", lambda *a, **k: solved.append(1) or type(bound).steps(bound, *a, **k))
     scene.empty(obj, "top").location.x += 1
     for _ in range(3):
         bpy.context.view_layer.update()
