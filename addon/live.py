@@ -32,27 +32,29 @@ def mark(obj):
 
 
 def _flush():
-    for uid in list(_due):
-        if not _go_on(uid):
-            _due.discard(uid)
-    return POLL if _due else None
+    for uid in _due | _running.keys():
+        _go_on(uid)
+    return POLL if _due or _running else None
 
 
 def _go_on(uid):
-    """Starts to solve an object, or looks whether that is done; whether there is more to do."""
-    obj, work = by_uid(uid), _running.pop(uid, None)
-    if obj is None:
-        return False
+    """Starts to solve an object, or looks whether that is done."""
+    work = _running.pop(uid, None)
     if work is None:
+        _due.discard(uid)  # what moves from here on is due again
+        obj = by_uid(uid)
+        if obj is None:
+            return
         work = bound.following(obj, BUDGET)
     until = time.perf_counter() + PATIENCE
     while not work.poll():
         if time.perf_counter() > until:
             _running[uid] = work
-            return True
+            return
         time.sleep(PATIENCE / 16)
+    if work.result:
+        _due.add(uid)
     redraw_sidebars()
-    return work.result
 
 
 def _stop():

@@ -5,7 +5,7 @@ import time
 import bpy
 import pytest
 import scene
-from bl_ext.user_default.lissom import session
+from bl_ext.user_default.lissom import live, session
 from bl_ext.user_default.lissom.jobs import bound
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -35,6 +35,22 @@ def test_it_is_shown_once_it_is_done(moved):
     while ended(work):
         assert scene.key_points(obj, PREVIEW)[-1, 2] > 3.9
         work = bound.following(obj, 1 / 60)
+    assert_allclose(scene.key_points(obj, PREVIEW)[-1, 2], 4, atol=1e-4)
+
+
+def test_what_moves_while_it_runs_is_solved_too(monkeypatch):
+    monkeypatch.setattr(live, "PATIENCE", 0.0)
+    obj, ran = scene.bound_tube(), 0
+    with session.paused():
+        for _ in range(10):
+            scene.empty(obj, "top").location.z += 0.1
+            bpy.context.view_layer.update()
+            live._due.add(obj.session_uid)
+            live._flush()
+            ran += bool(live._running)
+        while live._flush():
+            time.sleep(1e-3)
+    assert ran and not live._running
     assert_allclose(scene.key_points(obj, PREVIEW)[-1, 2], 4, atol=1e-4)
 
 

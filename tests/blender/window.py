@@ -76,6 +76,23 @@ def check_live_update_follows_and_undo_and_redo_keep_up():
     yield from until(lambda: abs(top_height(obj) - 6) < 1e-4)
 
 
+def check_a_dense_mesh_does_not_hold_up_the_window():
+    new_file()
+    obj = scene.tube(rings=400, around=150)
+    for name, side in (("bottom", -1), ("top", 1)):
+        scene.group(obj, name, lambda co, side=side: side * co.z > 2.5)
+        bpy.ops.lissom.pose_handle_add(object=obj.name, vertex_group=name)
+    bpy.ops.lissom.pose_bind(object=obj.name)
+    rest = scene.empty(obj, "top").location.z
+    meanwhile = 0
+    for step in range(1, 11):  # also while the solve runs
+        move_top(obj, rest + 0.1 * step)
+        yield
+        meanwhile += bool(package.live._running)
+    assert meanwhile
+    yield from until(lambda: abs(top_height(obj) - 4) < 1e-4)
+
+
 def check_every_method_poses_again_after_undo_and_redo():
     for method in lissom.POSE_METHODS:
         new_file()
