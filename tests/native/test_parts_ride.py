@@ -188,3 +188,25 @@ def test_a_blend_takes_what_rides_along():
     for weight in (0.25, 0.5, 1.3):
         expected = a @ shapes.rotation((1, 0, 0), 1.6 * weight).T
         assert np.abs(nodding.at([weight]) - expected - (nodding.at([weight]) - expected)[0]).max() < 1e-9
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+def test_a_part_keeps_its_seat_where_another_place_touches_it_at_one_end(reverse):
+    """A tube bent by half a turn: a ball and a hair on the inside lie nearer to its other half then."""
+    tube, faces = shapes.tube(rows=100, columns=32, length=12.0, bumps=0.0)
+    points, own_faces = ball(0.2)
+    angle, low, high = np.pi, 4.0, 8.0  # the halves are 0.55 apart in the end
+    base = np.array([10.0, 1.1, 0.0])
+    hair = base + [0.5, 0.3, 0.0]
+    a = np.vstack([tube, points + base, hair])
+    b = bent(a, angle, low, high)
+    a, b = (b, a) if reverse else (a, b)
+    mesh = lissom.Mesh(a, np.vstack([faces, own_faces + len(tube)]))
+    path = lissom.Inbetween(mesh, a, b)
+    rigid = np.flatnonzero(np.abs(tube[:, 0] - 10.0) < 1.0)
+    for x in path.at([0.25, 0.5, 0.75]):
+        from_ = np.vstack([tube, points + base, hair])
+        u, _, vt = np.linalg.svd((from_[rigid] - from_[rigid].mean(0)).T @ (x[rigid] - x[rigid].mean(0)))
+        carried = lambda p: (p - from_[rigid].mean(0)) @ u @ vt + x[rigid].mean(0)  # noqa: B023, E731
+        assert np.abs(carried(base) - x[len(tube) : -1].mean(0)).max() < 0.02
+        assert np.abs(carried(hair) - x[-1]).max() < 0.02

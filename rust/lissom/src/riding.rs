@@ -84,7 +84,7 @@ impl<'a> Seats<'a> {
             vec![all[hit.triangle]]
         } else {
             let own = self.triangles.of(component);
-            let surface = self.surfaces[component].get_or_init(|| surface(self.mesh, self.at, own));
+            let surface = once(&self.surfaces[component], || surface(self.mesh, self.at, own));
             points.iter().filter_map(|&p| Some(own[surface.closest_point(p)?.triangle])).collect()
         };
         let mut vertices = self.corners(triangles.iter().copied());
@@ -112,6 +112,15 @@ impl<'a> Seats<'a> {
         corners.dedup();
         corners
     }
+}
+
+/// What is in a cell, built where it is empty, and before the cell is entered: a thread that waits in there for its share
+/// of the building may be handed other work that wants the same cell, and would wait for itself.
+pub fn once<T>(cell: &OnceLock<T>, build: impl FnOnce() -> T) -> &T {
+    cell.get().unwrap_or_else(|| {
+        let built = build();
+        cell.get_or_init(|| built)
+    })
 }
 
 /// The surface of some triangles of a mesh.

@@ -11,10 +11,12 @@
 //! straight line. On a seat at rest that is the screw alone. Vertices in no triangle, as those of loose edges, ride on
 //! the surface nearest to them.
 
+use std::sync::OnceLock;
+
 use rayon::prelude::*;
 
 use crate::geometry::rigid::{Similarity, centroid, size};
-use crate::riding::{Seat, Seats};
+use crate::riding::{Seat, Seats, once};
 use crate::{Mat3, Mesh, Vec3};
 
 /// How much larger a part must be than one that rides on it: two eyes do not ride on each other.
@@ -28,6 +30,9 @@ const KEEPS: f64 = 1.0;
 /// its place by less than this many of its sizes needs no look at the others.
 const CANDIDATES: usize = 3;
 const FIRM: f64 = 0.01;
+
+/// A vertex in no triangle has its seat from another shape than the first where it leaves that by less than this share.
+const LOOSE: f64 = 0.5;
 
 /// What rides in some shapes of a mesh.
 #[derive(Debug)]
@@ -60,7 +65,9 @@ impl Riders {
             return Self { parts: Vec::new(), vertices: Vec::new() };
         }
         let at = &shapes[0];
-        let seats = Seats::new(mesh, at, |_| true);
+        // What touches in one shape, as arms that are crossed, is apart in another: a seat is looked for in all.
+        let seats: Vec<OnceLock<Seats>> = shapes.iter().map(|_| OnceLock::new()).collect();
+        let seats = |k: usize| once(&seats[k], || Seats::new(mesh, &shapes[k], |_| true));
         let members = components.members();
         let sizes: Vec<f64> =
             members.iter().map(|vertices| size(vertices.iter().map(|&v| at[v as usize]))).collect();
@@ -71,27 +78,45 @@ impl Riders {
             if LARGER * size >= largest {
                 return None;
             }
-            let points: Vec<Vec3> = vertices.iter().map(|&v| at[v as usize]).collect();
             let centre = |x: &[Vec3]| centroid(vertices.iter().map(|&v| x[v as usize]));
             let leaves = |seat: &Seat| {
                 let left = |x: &Vec<Vec3>| motion(seat, at, x).apply(centre(at)).distance(centre(x)) / size;
                 shapes[1..].iter().map(left).fold(0.0, f64::max)
             };
-            let (mut seen, mut best) = (Vec::new(), (KEEPS, None));
-            while seen.len() < CANDIDATES && best.0 > FIRM {
-                let larger = |other: usize| sizes[other] > LARGER * size && !seen.contains(&other);
-                let Some(seat) = seats.of(&points, NEAR * size, larger) else { break };
-                seen.push(seat.component);
-                let left = leaves(&seat);
-                if left < best.0 {
-                    best = (left, Some(seat));
+            let mut best = (KEEPS, None);
+            for (k, shape) in shapes.iter().enumerate() {
+                let points: Vec<Vec3> = vertices.iter().map(|&v| shape[v as usize]).collect();
+                let mut seen = Vec::new();
+                while seen.len() < CANDIDATES && best.0 > FIRM {
+                    let larger = |other: usize| sizes[other] > LARGER * size && !seen.contains(&other);
+                    let Some(seat) = seats(k).of(&points, NEAR * size, larger) else { break };
+                    seen.push(seat.component);
+                    let left = leaves(&seat);
+                    if left < best.0 {
+                        best = (left, Some(seat));
+                    }
                 }
             }
             Some(Part { floating: place, component, seat: best.1? })
         };
         let mut parts: Vec<Part> = floating.par_iter().enumerate().filter_map(part).collect();
         parts.sort_by(|p, q| sizes[q.component].total_cmp(&sizes[p.component]));
-        let ride = |&v: &u32| Some((v, seats.of(&[at[v as usize]], f64::INFINITY, |_| true)?));
+        let ride = |&v: &u32| {
+            let leaves = |seat: &Seat| {
+                let left = |x: &Vec<Vec3>| motion(seat, at, x).apply(at[v as usize]).distance(x[v as usize]);
+                shapes[1..].iter().map(left).fold(0.0, f64::max)
+            };
+            let seat = |k: usize| {
+                let seat = seats(k).of(&[shapes[k][v as usize]], f64::INFINITY, |_| true)?;
+                Some((leaves(&seat), seat))
+            };
+            let mut best = seat(0)?;
+            for k in 1..shapes.len() {
+                // By much less only: the vertices of a strand are to sit alike.
+                best = seat(k).filter(|(left, _)| *left < LOOSE * best.0).unwrap_or(best);
+            }
+            Some((v, best.1))
+        };
         Self { parts, vertices: loose.par_iter().filter_map(ride).collect() }
     }
 
