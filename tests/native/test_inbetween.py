@@ -543,6 +543,46 @@ def test_parts_that_turn_by_half_a_turn_go_the_same_way(rotation, seed):
         assert any("half a turn" in line and "6 in all" in line for line in path.warnings)
 
 
+@pytest.mark.parametrize("rotation", ["consistent", "relative"])
+@pytest.mark.parametrize(("noise", "turned"), [(0.0, 0.0), (1e-7, 0.0), (1e-4, 0.0), (1e-5, 1.0)])
+def test_wings_that_fold_over_a_body_by_half_a_turn_pass_on_the_same_side(rotation, noise, turned):
+    """Both wings of one mesh, while the body rests or turns: the same way, and told."""
+    random = np.random.default_rng(1)
+    x, y = (axis.ravel() for axis in np.meshgrid(np.linspace(-1, 1, 21), np.linspace(0, 1, 8)))
+    start = np.column_stack([x, y, 0.4 * (np.abs(x) - 0.4) ** 2])
+    out, hinge = np.sign(x) * (np.abs(x) > 0.45), np.column_stack([np.sign(x) * 0.4, 0 * x, 0 * x])
+    turns = np.array([rigid((0, 1, 0), -np.pi * side)[:3, :3] for side in out])
+    folded = hinge + np.einsum("nij,nj->ni", turns, start - hinge)
+    whole = rigid((0.3, 1, 0.2), turned)[:3, :3]
+    end = np.where(out[:, None] != 0, folded, start) @ whole.T
+    end += random.normal(size=end.shape) * noise
+    pose = rigid((1, 2, 3), 0.7 * turned)[:3, :3]
+    path = lissom.Inbetween(
+        lissom.Mesh(start @ pose.T, grid_faces(8, 21)), start @ pose.T, end @ pose.T, rotation=rotation
+    )
+    half = rigid((0.3, 1, 0.2), turned / 2)[:3, :3]
+    tips = (path.at([0.5])[0] @ pose @ half)[[0, 20]]
+    tips -= tips.mean(0) * [1, 0, 0]
+    # A body that turns about another axis meanwhile tilts what folds on it.
+    assert abs(tips[0, 2] - tips[1, 2]) < (0.1 if turned else 1e-3) and abs(tips[0, 2]) > 0.25
+    assert any("half a turn" in line for line in path.warnings)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_way_does_not_depend_on_how_shapes_lie_however_crumpled(seed):
+    random = np.random.default_rng(seed)
+    start, faces = tube(rows=30, columns=14, length=6)
+    along = (start[:, 0] - start[:, 0].min()) / np.ptp(start[:, 0])
+    turns = np.array([rigid((1, 0.2, 0), 2.3 * t)[:3, :3] for t in along])
+    end = np.einsum("nij,nj->ni", turns, start) + 0.12 * random.normal(size=start.shape)
+    ways = []
+    for pose in (np.eye(3), *(rigid(random.normal(size=3), random.uniform(1, 3))[:3, :3] for _ in range(3))):
+        size, place = 10.0 ** random.uniform(-3, 3), random.normal(size=3)
+        a, b = ((shape @ pose.T + place) * size for shape in (start, end))
+        ways.append((lissom.Inbetween(lissom.Mesh(a, faces), a, b).at([0.3])[0] / size - place) @ pose)
+    assert max(np.abs(way - ways[0]).max() for way in ways[1:]) < 1e-8
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_a_twist_beyond_half_a_turn_stays_on_its_axis(seed):
     random = np.random.default_rng(seed)

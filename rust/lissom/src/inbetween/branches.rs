@@ -28,7 +28,7 @@ use rayon::prelude::*;
 
 use super::neighbours::{GENTLE, Neighbours, TIE, distance};
 use super::rotations::TriangleMotion;
-use super::turn::{Turn, is_half, sided_log};
+use super::turn::{HALF_TURN, Turn, is_half, sided_log};
 use crate::{Job, Mat3, Result, Vec3, rotation};
 
 /// Regions of fewer triangles are not trusted with a turn of their own; 16 and 64 do alike.
@@ -62,7 +62,8 @@ pub(super) fn shortest(motions: &[TriangleMotion], drift: impl Fn(usize) -> Vec3
 /// `moved` counts the vertices of each triangle that move. Triangles at rest are the roots. A
 /// component without any starts from the triangle that turns least: of those held by most vertices,
 /// since a whole turn looks like none, and of those outside crumples. Triangles without a rotation
-/// take their neighbour's. `drift` is how far the component of a triangle goes. `links` lead to triangles of parts that
+/// take their neighbour's. `drift` is how far the component of a triangle goes, and `leaves` how far a triangle leaves its
+/// place beside another that turns by a rotation. `links` lead to triangles of parts that
 /// ride, from those that they sit on, hosts first: such parts are entered last, each by its gentlest links.
 pub(super) fn consistent(
     neighbours: &Neighbours,
@@ -70,15 +71,18 @@ pub(super) fn consistent(
     moved: &[u8],
     links: &[[u32; 2]],
     drift: impl Fn(usize) -> Vec3,
+    leaves: impl Fn(usize, usize, Mat3) -> Vec3,
     job: &Job,
 ) -> Result<Branches> {
     let mut walk = Walk {
         neighbours,
         motions,
+        leaves: &leaves,
         sizes: neighbours.region_sizes(),
         turns: vec![None; motions.len()],
         handed_on: vec![Turn::NONE; motions.len()],
         roots: Vec::new(),
+        halves: Vec::new(),
     };
     let mut queue = BinaryHeap::new();
     let at_rest = (0..motions.len() as u32).filter(|&t| moved[t as usize] == 0);
@@ -97,7 +101,6 @@ pub(super) fn consistent(
         })
         .collect();
     roots.par_sort_unstable();
-    let mut halves = Vec::new();
     for (k, &(none, held, crumple, least, first)) in roots.iter().enumerate() {
         if walk.turns[first as usize].is_some() {
             continue;
@@ -118,7 +121,7 @@ pub(super) fn consistent(
                 continue;
             }
             walk.handed_on[t] = omega.map_or(Turn::NONE, Turn::about);
-            halves.extend(half.then_some(root));
+            walk.halves.extend(half.then_some(root));
             queue.push(Reverse((0, root, root)));
         }
         walk.run(&mut queue, job)?;
@@ -142,7 +145,7 @@ pub(super) fn consistent(
         }
         turns = settled(neighbours, motions, &walk.turns);
     }
-    Ok(Branches { turns, roots: walk.roots, links: links.concat(), halves })
+    Ok(Branches { turns, roots: walk.roots, links: links.concat(), halves: walk.halves })
 }
 
 /// The turns of a walk, with those that do not pay dropped and axes shared.
@@ -162,7 +165,10 @@ struct Walk<'a> {
     turns: Vec<Option<Turn>>,
     /// The turn that each triangle gives to those beyond a crease.
     handed_on: Vec<Turn>,
+    leaves: &'a dyn Fn(usize, usize, Mat3) -> Vec3,
     roots: Vec<u32>,
+    /// Triangles that were entered by half a turn.
+    halves: Vec<u32>,
 }
 
 /// Triangles to visit: weight of the step, triangle, the triangle it is reached from; a root from itself.
@@ -200,9 +206,13 @@ impl Walk<'_> {
             let own = self.turns[from as usize].filter(|_| gentle);
             own.unwrap_or(self.handed_on[from as usize])
         }));
-        let turn = self.motions[t].rotation().map_or(near, |r| near.nearest_to(r));
-        self.turns[t] = Some(turn);
         let trusted = triangle == first || self.sizes[t] >= REGION;
+        let own = self.motions[t].rotation();
+        let folded = own.filter(|_| trusted && triangle != first);
+        let folded = folded.and_then(|r| near.folded(r, |host| (self.leaves)(t, first as usize, host)));
+        self.halves.extend(folded.map(|_| triangle));
+        let turn = folded.or_else(|| Some(near.nearest_to(own?))).unwrap_or(near);
+        self.turns[t] = Some(turn);
         self.handed_on[t] = if trusted { turn } else { handed_on };
         let next = self.neighbours.of_triangle(triangle).iter();
         let unseen = next.filter(|(_, s)| self.turns[*s as usize].is_none());
@@ -228,15 +238,17 @@ fn drop_unpaid(neighbours: &Neighbours, motions: &[TriangleMotion], turns: &mut 
                 own.map_or(turns[t as usize], Turn::about)
             })
             .collect();
-        let (mut kept, mut dropped) = (0.0, 0.0);
+        let (mut kept, mut dropped, mut count) = (0.0, 0.0, 0.0);
         for (&t, short) in patch.iter().zip(&shortest) {
             let outside = neighbours.of_triangle(t).iter().map(|(_, s)| *s as usize).filter(|&s| !beyond[s]);
             for s in outside {
                 kept += turns[t as usize].omega().distance(turns[s].omega());
                 dropped += short.omega().distance(turns[s].omega());
+                count += 1.0;
             }
         }
-        if dropped < kept * (1.0 - TIE) {
+        // Where either is as near, the walk has chosen.
+        if dropped < kept - 2.0 * HALF_TURN * count {
             for (&t, short) in patch.iter().zip(shortest) {
                 turns[t as usize] = short;
             }
@@ -277,7 +289,15 @@ mod tests {
         let motions: Vec<TriangleMotion> = degrees.iter().map(turn).collect();
         let moved: Vec<u8> = (0..motions.len()).map(|t| if t == 0 { 0 } else { 3 }).collect();
         let neighbours = Neighbours::joining(pairs, &motions);
-        let found = consistent(&neighbours, &motions, &moved, links, |_| Vec3::ZERO, &Job::default());
+        let found = consistent(
+            &neighbours,
+            &motions,
+            &moved,
+            links,
+            |_| Vec3::ZERO,
+            |_, _, _| Vec3::X,
+            &Job::default(),
+        );
         found.unwrap().turns.iter().map(|turn| turn.omega().z.to_degrees().round()).collect()
     }
 

@@ -18,12 +18,16 @@ use super::screw::Screw;
 use super::shapes::{Of, Shapes, Stretched, Targets};
 use super::stretch::{self, Stretch, shares};
 use super::turn::Turn;
+use crate::geometry::rigid::size;
 use crate::geometry::triangle::normal_and_area;
 use crate::stitch::Volumes;
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3, memory};
 
 /// Correlation of the folds at both ends, below the negative of which a component counts as mirrored.
 const MIRRORED: f64 = 0.5;
+
+/// Shapes whose widths differ by a smaller share are as wide: single precision tells no more of them.
+const AS_WIDE: f64 = 1e-5;
 
 /// Times solved as one block of right-hand sides: enough to share each pass over the factor, and
 /// few enough to answer a cancellation at once.
@@ -316,8 +320,13 @@ fn mirrored(mesh: &Mesh, a: &[Vec3], b: &[Vec3]) -> Vec<usize> {
     products.iter().enumerate().filter(opposite).map(|(c, _)| c).collect()
 }
 
-/// Whether `a` comes before `b` at the first number in which they differ.
+/// Whether `a` comes before `b`: the one that is wider, which it is however both lie, and of shapes as wide the one
+/// that is less at the first number in which they differ.
 fn precedes(a: &[Vec3], b: &[Vec3]) -> bool {
+    let [p, q] = [a, b].map(|x| size(x.iter().copied()));
+    if (p - q).abs() > AS_WIDE * p.max(q) {
+        return p > q;
+    }
     let differ = a.iter().zip(b).find(|(p, q)| p != q);
     differ.is_some_and(|(p, q)| p.to_array() < q.to_array())
 }

@@ -194,9 +194,17 @@ impl Shapes {
             let component = mesh.components().of_vertex(mesh.triangles()[t][0] as usize);
             component.map_or(Vec3::ZERO, |c| drifts[c])
         };
+        let leaves = |t: usize, beside: usize, turned: Mat3| {
+            let apart = |x: &[Vec3]| {
+                let [p, q] =
+                    [t, beside].map(|t| mesh.triangles()[t].iter().map(|&v| x[v as usize]).sum::<Vec3>());
+                (p - q) / 3.0
+            };
+            apart(&self.unit[shape]) - turned * apart(&self.unit[0])
+        };
         let Branches { turns, roots, links, halves } = if agree {
             let links = self.riders.links(mesh, self.stitcher.floating());
-            branches::consistent(&neighbours, &motions, &moved, &links, drift, job)?
+            branches::consistent(&neighbours, &motions, &moved, &links, drift, leaves, job)?
         } else {
             Branches { turns: branches::shortest(&motions, drift), ..Branches::default() }
         };

@@ -15,7 +15,7 @@ use std::f64::consts::{PI, TAU};
 use crate::{Mat3, Vec3, rotation};
 
 /// Half a turn, give or take this many radians, has two ways.
-const HALF_TURN: f64 = 0.02;
+pub(super) const HALF_TURN: f64 = 0.02;
 
 /// Radians that are rounding.
 const ROUNDING: f64 = 1e-9;
@@ -76,6 +76,21 @@ impl Turn {
             return Self { axis: self.axis, angle, swing };
         }
         Self::about(rotation::nearest_branch(rotation::log(r), self.omega()))
+    }
+
+    /// The way to `r` of a triangle that folds over one of this turn by half a turn, as pages and wings do: either way round
+    /// is as near, and [`sided_log`] takes the side. `leaves` tells how far it leaves its place beside the other.
+    pub fn folded(self, r: Mat3, leaves: impl FnOnce(Mat3) -> Vec3) -> Option<Self> {
+        let beside = self.at(1.0);
+        let fold = r * beside.transpose();
+        if !is_half(rotation::log(fold)) {
+            return None;
+        }
+        let turn = self.nearest_to(r);
+        let way = turn.omega() - self.omega();
+        // Beside its fold a triangle goes by as little as it is large, and to that side all the same.
+        let side = sided_log(fold, leaves(beside).normalize_or_zero());
+        Some(if way.dot(side) >= 0.0 { turn } else { Self::about(self.omega() - way).nearest_to(r) })
     }
 }
 
