@@ -7,8 +7,12 @@
 //! The biharmonic spline through the markers nearest to one (Bookstein 1989, Principal Warps, in space) says where
 //! that one belongs. Where this is off by much more than usual, the worst is left out, and the rest asked again,
 //! since a wrong marker spoils what is said of those beside it.
+//!
+//! Two that are exchanged, as left and right are, bear each other out where there are few: they are found by how much
+//! better all lie with the two changed back.
 
 use crate::Vec3;
+use crate::geometry::rigid::Alignment;
 use crate::linear::dense;
 
 /// Fewer markers do not tell which of them is wrong.
@@ -31,6 +35,11 @@ const LEAST: f64 = 1e-3;
 
 /// Most of the markers that may be left out.
 const MOST: f64 = 0.2;
+
+/// Two markers are exchanged where all lie within this share of how they lie else, by a similarity; of fewer markers
+/// than these one is better without any.
+const EXCHANGED: f64 = 0.5;
+const FEWEST_EXCHANGED: usize = 6;
 
 /// A marker or a curve that lies where the others do not put it.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +65,13 @@ pub struct Doubts {
 pub fn doubtful(markers: &[(Vec3, Vec3)], tolerance: f64) -> Doubts {
     let mut kept: Vec<usize> = (0..markers.len()).collect();
     let (mut found, mut scatter) = (Vec::new(), tolerance);
-    while kept.len() >= FEWEST && (found.len() as f64) < MOST * markers.len() as f64 {
+    let most = MOST * markers.len() as f64;
+    while kept.len() >= FEWEST_EXCHANGED && (found.len() as f64) < most {
+        let Some(pair) = exchanged(markers, &kept, tolerance.max(LEAST)) else { break };
+        found.extend(pair);
+        kept.retain(|i| pair.iter().all(|(j, _)| i != j));
+    }
+    while kept.len() >= FEWEST && (found.len() as f64) < most {
         let all: Vec<[f64; 2]> = kept.iter().map(|&i| off(markers, &kept, i)).collect();
         let median = |which: usize| {
             let mut sorted: Vec<f64> = all.iter().map(|off| off[which]).collect();
@@ -73,6 +88,36 @@ pub fn doubtful(markers: &[(Vec3, Vec3)], tolerance: f64) -> Doubts {
     }
     found.sort_unstable_by_key(|&(i, _)| i);
     Doubts { markers: found, scatter }
+}
+
+/// The two markers among `kept` that are exchanged, and how far each is off; by more than a few times the tolerance.
+fn exchanged(markers: &[(Vec3, Vec3)], kept: &[usize], tolerance: f64) -> Option<[(usize, f64); 2]> {
+    let lie = |swapped: [usize; 2]| {
+        let goal = |i: usize| match swapped {
+            [a, b] if i == a => markers[b].1,
+            [a, b] if i == b => markers[a].1,
+            _ => markers[i].1,
+        };
+        let places = kept.iter().map(|&i| (markers[i].0, goal(i)));
+        let fit = Alignment::of(places.clone()).similar();
+        let squares = places.map(|(from, to)| fit.apply(from).distance_squared(to)).sum::<f64>();
+        ((squares / kept.len() as f64).sqrt(), fit)
+    };
+    let (scatter, fit) = lie([kept[0]; 2]);
+    if scatter < tolerance {
+        return None;
+    }
+    let off = |i: usize, at: usize| fit.apply(markers[i].0).distance(markers[at].1);
+    let nearer = |&(a, b): &(usize, usize)| {
+        let is_far = markers[a].1.distance(markers[b].1) > TOLERANCES * tolerance;
+        // Of many, the others say so at once; few may be turned by the two.
+        let is_few = kept.len() <= AROUND;
+        is_far && (is_few || off(a, b) < off(a, a) && off(b, a) < off(b, b))
+    };
+    let pairs = kept.iter().enumerate().flat_map(|(n, &a)| kept[..n].iter().map(move |&b| (b, a)));
+    let swapped = pairs.filter(nearer).map(|(a, b)| (lie([a, b]), [a, b]));
+    let ((least, fit), pair) = swapped.min_by(|(p, _), (q, _)| p.0.total_cmp(&q.0))?;
+    (least < EXCHANGED * scatter).then(|| pair.map(|i| (i, fit.apply(markers[i].0).distance(markers[i].1))))
 }
 
 /// How far marker `i` is from where the others among `kept` put it, and over what they let it vary, the root of the
@@ -110,4 +155,38 @@ fn off(markers: &[(Vec3, Vec3)], kept: &[usize], i: usize) -> [f64; 2] {
     let variance: f64 = -(0..k + 4).map(|row| solved[row].x * to(row)).sum::<f64>();
     let off = markers[i].1.distance(expected);
     [off, off / variance.max(SMOOTHING).sqrt()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Markers all over a body of unit size, off by up to `amount`, which no two do alike.
+    fn markers(count: usize, seed: usize, amount: f64) -> Vec<(Vec3, Vec3)> {
+        let noise =
+            |k: usize, c: usize| ((12.9898 * k as f64 + 78.233 * c as f64).sin() * 43758.5453).fract();
+        let vector = |k: usize| Vec3::new(noise(k, 1), noise(k, 2), noise(k, 3));
+        (0..count)
+            .map(|i| {
+                let at = vector(101 * seed + i) * 0.4;
+                (at, at * 1.1 + Vec3::X + vector(977 * (seed + 1) + i) * amount)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn two_that_are_exchanged_among_few_are_found_and_no_others() {
+        for seed in 0..40 {
+            for count in [6, 8, 13, 21] {
+                let right = markers(count, seed, 0.04);
+                assert_eq!(exchanged(&right, &(0..count).collect::<Vec<_>>(), 0.01), None);
+                let far = |&j: &usize| right[0].0.distance(right[j].0) > 0.3;
+                let Some(other) = (1..count).find(far) else { continue };
+                let mut wrong = right.clone();
+                (wrong[0].1, wrong[other].1) = (right[other].1, right[0].1);
+                let found: Vec<usize> = doubtful(&wrong, 0.01).markers.iter().map(|d| d.0).collect();
+                assert_eq!(found, [0, other], "{seed} {count}");
+            }
+        }
+    }
 }
