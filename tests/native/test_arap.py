@@ -305,3 +305,26 @@ def test_options_out_of_range(options, text):
     vertices, faces = tube(rows=10, columns=8)
     with pytest.raises(lissom.InvalidValue, match=text):
         lissom.Pose(lissom.Mesh(vertices, faces), ends(vertices, 0.2), **options)
+
+
+def test_handles_that_move_on_need_no_solve():
+    """As whole handles they go on from responses, as points by a solve: the same start."""
+    v, f = tube(24, 31)
+    handles = [*ends(v), np.flatnonzero(np.abs(v[:, 0] - v[31 * 12, 0]) < 1e-9)[:5]]
+    before, after = (
+        [rigid([0.0, 0.0, 1.0], a, [0.1 * a, 0.0, 0.0]) for a in angles]
+        for angles in ([0.0, 0.6, 0.2], [0.05, 0.7, 0.1])
+    )
+    for options in ({}, {"constraints": "soft"}, {"smoothness": 0.1}):
+        starts = []
+        for by_points in (False, True):
+            pose = lissom.Pose(lissom.Mesh(v, f), handles, **options)
+            pose.solve(before)
+            if by_points:
+                points = np.concatenate([moved(m, v[h]) for h, m in zip(handles, after, strict=True)])
+                starts.append(pose.solve_points(points, max_iterations=0))
+            else:
+                starts.append(pose.solve(after, max_iterations=0))
+        one, other = starts
+        assert np.abs(one.vertices - other.vertices).max() < 1e-11 * diagonal(v)
+        assert one.report.energy == pytest.approx(other.report.energy, rel=1e-9)

@@ -224,12 +224,16 @@ def test_what_buckles_stays_symmetric_through_many_moves():
     mesh = lissom.Mesh(points[order], back[triangles])
     whole = lissom.Pose(mesh, both, rotation_smoothing=0, symmetry=[(ORIGIN, X)])
     free = lissom.Pose(mesh, both, rotation_smoothing=0)
+    apart = []
     for push in np.linspace(0, 3, 101)[1:]:
         goal = [np.eye(4), rigid(offset=(0, 0, -push))]
-        one, two, plain = (pose.solve(goal, max_iterations=20).vertices for pose in (half, whole, free))
-    lean = plain[back]
+        one, two, plain = (pose.solve(goal, max_iterations=20) for pose in (half, whole, free))
+        apart.append(np.abs(two.vertices[back][: len(vertices)] - one.vertices).max())
+    lean = plain.vertices[back]
     assert np.abs(lean[image] - mirrored(lean[: len(vertices)])).max() > 0.1
-    assert np.abs(two[back][: len(vertices)] - one).max() < 1e-3
+    # Until it snaps, at the 66th move. To which of two symmetric shapes about equally good is up to rounding.
+    assert max(apart[:50]) < 1e-6
+    assert two.report.energy == pytest.approx(one.report.energy, rel=0.02)
 
 
 @pytest.mark.parametrize("unheld", ["rest", "follow"])

@@ -3,31 +3,37 @@
 use crate::{Mat3, Vec3};
 
 /// `a b^T`.
+#[inline]
 pub fn outer(a: Vec3, b: Vec3) -> Mat3 {
     Mat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
 /// `[a]x`, `[a]x b = a x b`.
+#[inline]
 pub fn cross(a: Vec3) -> Mat3 {
     Mat3::from_cols(Vec3::new(0.0, a.z, -a.y), Vec3::new(-a.z, 0.0, a.x), Vec3::new(a.y, -a.x, 0.0))
 }
 
 /// `a : b = tr(a^T b)`.
+#[inline]
 pub fn dot(a: Mat3, b: Mat3) -> f64 {
     a.x_axis.dot(b.x_axis) + a.y_axis.dot(b.y_axis) + a.z_axis.dot(b.z_axis)
 }
 
 /// The vector `a` with `a . o = o^ : m` for every `o`, where `o^` is the matrix of the cross product by `o`.
+#[inline]
 pub fn axial(m: Mat3) -> Vec3 {
     Vec3::new(m.y_axis.z - m.z_axis.y, m.z_axis.x - m.x_axis.z, m.x_axis.y - m.y_axis.x)
 }
 
 /// `tr a`.
+#[inline]
 pub fn trace(a: Mat3) -> f64 {
     a.x_axis.x + a.y_axis.y + a.z_axis.z
 }
 
 /// `|a|_F^2`.
+#[inline]
 pub fn norm_squared(a: Mat3) -> f64 {
     dot(a, a)
 }

@@ -36,6 +36,7 @@ impl<T: Copy> Rows<T> {
     }
 
     /// The items of one row.
+    #[inline]
     pub fn of(&self, row: usize) -> &[T] {
         &self.items[self.range(row)]
     }
@@ -51,6 +52,7 @@ impl<T: Copy> Rows<T> {
         (0..self.count()).map(|row| self.of(row))
     }
 
+    #[inline]
     fn range(&self, row: usize) -> std::ops::Range<usize> {
         self.start[row] as usize..self.start[row + 1] as usize
     }

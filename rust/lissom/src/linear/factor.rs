@@ -1,7 +1,7 @@
 //! Sparse Cholesky factorization behind one small type; beside [`super::substitution`] the only file that knows faer's
 //! solver.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
@@ -18,6 +18,7 @@ use rayon::prelude::*;
 
 use super::columns::Columns;
 use super::matrix::SymmetricMatrix;
+use super::schedule::Schedule;
 use super::substitution::{LANES, Lanes, substitute};
 use crate::{Error, Result, Vec3, memory};
 
@@ -46,7 +47,14 @@ const SHARES: usize = 2;
 /// The order of elimination and the pattern of the factor: the part of the work that depends on the
 /// pattern of the matrix alone. Cheap to clone.
 #[derive(Debug, Clone)]
-pub struct Symbolic(Arc<SymbolicCholesky<u32>>);
+pub struct Symbolic(Arc<Order>);
+
+#[derive(Debug)]
+struct Order {
+    cholesky: SymbolicCholesky<u32>,
+    /// Made for the first few columns; none where blocks are single columns.
+    schedule: OnceLock<Option<Schedule>>,
+}
 
 /// A Cholesky factor `L L^T = P A P^T`.
 #[derive(Debug)]
@@ -102,7 +110,10 @@ impl Symbolic {
         let symbolic =
             factorize_symbolic_cholesky(pattern, Side::Lower, order, CholeskySymbolicParams::default());
         match symbolic {
-            Ok(symbolic) => Ok(Self(Arc::new(symbolic))),
+            Ok(cholesky) => {
+                let schedule = OnceLock::new();
+                Ok(Self(Arc::new(Order { cholesky, schedule })))
+            }
             Err(problem) => Err(Error::SolveFailed(format!(
                 "no order of elimination for {} unknowns: {problem}",
                 matrix.size()
@@ -134,17 +145,29 @@ impl Symbolic {
         }
     }
 
+    /// How a few columns are solved; `None` where blocks are single columns.
+    fn schedule(&self) -> Option<&Schedule> {
+        let make = || match self.0.cholesky.raw() {
+            SymbolicCholeskyRaw::Simplicial(_) => None,
+            SymbolicCholeskyRaw::Supernodal(symbolic) => {
+                let order = self.0.cholesky.perm().map(|order| order.arrays().0);
+                Some(Schedule::of(symbolic, |k| order.map_or(k as u32, |order| order[k])))
+            }
+        };
+        self.0.schedule.get_or_init(make).as_ref()
+    }
+
     /// The values of the factor; `None` where a pivot is not positive.
     fn attempt(&self, matrix: &SymmetricMatrix) -> Result<Option<Vec<f64>>> {
         // faer's own threads cost more than they give on matrices of surfaces.
-        let scratch = self.0.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
+        let scratch = self.0.cholesky.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
         memory::check(
             "the factor",
-            8 * self.0.len_val() as u128 + scratch.unaligned_bytes_required() as u128,
+            8 * self.0.cholesky.len_val() as u128 + scratch.unaligned_bytes_required() as u128,
         )?;
-        let mut values = vec![0.0; self.0.len_val()];
+        let mut values = vec![0.0; self.0.cholesky.len_val()];
         let mut memory = MemBuffer::new(scratch);
-        let outcome = self.0.factorize_numeric_llt(
+        let outcome = self.0.cholesky.factorize_numeric_llt(
             &mut values,
             matrix.0.as_ref(),
             Side::Lower,
@@ -160,7 +183,7 @@ impl Symbolic {
     /// Whether every pivot is more than what rounding leaves of the entry that it started from. Where one is
     /// not, the matrix is singular as far as can be told, and the factor is noise.
     fn stands(&self, matrix: &SymmetricMatrix, values: &[f64]) -> bool {
-        let pivots: Vec<f64> = match self.0.raw() {
+        let pivots: Vec<f64> = match self.0.cholesky.raw() {
             SymbolicCholeskyRaw::Simplicial(symbolic) => {
                 symbolic.col_ptr()[..matrix.size()].iter().map(|&first| values[first as usize]).collect()
             }
@@ -170,7 +193,7 @@ impl Symbolic {
                 blocks.flat_map(|block| (0..block.ncols()).map(move |k| block[(k, k)])).collect()
             }
         };
-        let row = |k: usize| self.0.perm().map_or(k, |order| order.arrays().0[k] as usize);
+        let row = |k: usize| self.0.cholesky.perm().map_or(k, |order| order.arrays().0[k] as usize);
         (pivots.iter().enumerate()).all(|(k, pivot)| pivot * pivot > ROUNDING * matrix.diagonal(row(k)))
     }
 }
@@ -178,7 +201,7 @@ impl Symbolic {
 impl Factor {
     /// Number of unknowns.
     pub fn size(&self) -> usize {
-        self.symbolic.0.nrows()
+        self.symbolic.0.cholesky.nrows()
     }
 
     /// Whether the matrix was singular to rounding, and a little was added to its diagonal.
@@ -193,7 +216,7 @@ impl Factor {
 
     /// Bytes of values and indices: what one solve reads twice.
     pub fn bytes(&self) -> usize {
-        let indices = match self.symbolic.0.raw() {
+        let indices = match self.symbolic.0.cholesky.raw() {
             SymbolicCholeskyRaw::Simplicial(symbolic) => symbolic.row_idx().len() + symbolic.col_ptr().len(),
             SymbolicCholeskyRaw::Supernodal(symbolic) => symbolic.row_idx().len(),
         };
@@ -216,37 +239,50 @@ impl Factor {
         if self.size() == 0 {
             return;
         }
-        if let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.0.raw()
-            && (2..=FEW).contains(&columns.count())
+        if (2..=FEW).contains(&columns.count())
+            && let Some(schedule) = self.symbolic.schedule()
         {
-            let factor = SupernodalLltRef::new(symbolic, &self.values);
-            return self.solve_few(factor, columns);
+            return self.solve_few(schedule, columns);
         }
         let at_once = columns.count().div_ceil(SHARES).clamp(1, COLUMNS_AT_ONCE);
-        let llt = LltRef::new(&self.symbolic.0, &self.values);
+        let llt = LltRef::new(&self.symbolic.0.cholesky, &self.values);
         columns.data_mut().par_chunks_mut(at_once * self.size()).for_each(|chunk| {
             let count = chunk.len() / self.size();
-            let scratch = self.symbolic.0.solve_in_place_scratch::<f64>(count, Par::Seq);
+            let scratch = self.symbolic.0.cholesky.solve_in_place_scratch::<f64>(count, Par::Seq);
             let mut memory = MemBuffer::new(scratch);
             let block = MatMut::from_column_major_slice_mut(chunk, self.size(), count);
             llt.solve_in_place_with_conj(Conj::No, block, Par::Seq, MemStack::new(&mut memory));
         });
     }
 
-    fn solve_few(&self, factor: SupernodalLltRef<'_, u32, f64>, columns: &mut Columns) {
+    fn solve_few(&self, schedule: &Schedule, columns: &mut Columns) {
         let size = self.size();
         let at_once = columns.count().div_ceil(columns.count().div_ceil(LANES));
-        let order = self.symbolic.0.perm().map(|order| order.arrays().0);
-        let place = |k: usize| order.map_or(k, |order| order[k] as usize);
         columns.data_mut().par_chunks_mut(at_once * size).for_each(|chunk| {
             let count = chunk.len() / size;
             let at = |i: usize, lane: usize| if lane < count { chunk[lane * size + i] } else { 0.0 };
-            let lanes = |k: usize| -> Lanes { std::array::from_fn(|lane| at(place(k), lane)) };
-            let mut b: Vec<Lanes> = (0..size).map(lanes).collect();
-            substitute(factor, &mut b);
-            for (k, x) in b.iter().enumerate() {
-                (0..count).for_each(|lane| chunk[lane * size + place(k)] = x[lane]);
+            let lanes = |unknown: u32| -> Lanes { std::array::from_fn(|lane| at(unknown as usize, lane)) };
+            let mut b = schedule.vector(lanes);
+            substitute(schedule, &self.values, &mut b);
+            for (lane, column) in chunk.chunks_mut(size).enumerate() {
+                let places = column.iter_mut().zip(schedule.places());
+                places.for_each(|(x, &place)| *x = b[place as usize][lane]);
             }
         });
+    }
+
+    /// Solves for a few columns side by side, of which `of` tells the right-hand side of each unknown, and `add` adds
+    /// to it at the unknowns' places. The solution, and where in it each unknown is; `None` where the factor has no
+    /// blocks.
+    pub(super) fn solve_lanes(
+        &self,
+        of: impl Fn(u32) -> Lanes + Sync,
+        add: impl FnOnce(&mut [Lanes], &[u32]),
+    ) -> Option<(Vec<Lanes>, &[u32])> {
+        let schedule = self.symbolic.schedule()?;
+        let mut b = schedule.vector(of);
+        add(&mut b, schedule.places());
+        substitute(schedule, &self.values, &mut b);
+        Some((b, schedule.places()))
     }
 }

@@ -12,6 +12,7 @@ pub mod dense;
 mod factor;
 mod matrix;
 mod normal;
+mod schedule;
 mod substitution;
 mod system;
 

@@ -4,8 +4,9 @@
 //! products of matrices such a block costs more to set up than to multiply; here four right-hand sides lie side by side,
 //! one vector register, and four columns of `L` are taken at once.
 
-use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
 use pulp::{Arch, Simd, WithSimd};
+
+use super::schedule::{Part, Schedule};
 
 /// Right-hand sides of one pass.
 pub const LANES: usize = 4;
@@ -13,80 +14,89 @@ pub const LANES: usize = 4;
 /// An unknown of each right-hand side.
 pub type Lanes = [f64; LANES];
 
-/// Replaces `b`, in the order of elimination, by the solution.
-pub fn substitute(factor: SupernodalLltRef<'_, u32, f64>, b: &mut [Lanes]) {
-    Arch::new().dispatch(Substitution { factor, b });
+/// Replaces `b`, a vector of the schedule, by the solution.
+pub(super) fn substitute(schedule: &Schedule, values: &[f64], b: &mut [Lanes]) {
+    let arch = Arch::new();
+    schedule.run(
+        b,
+        |x, y| std::array::from_fn(|k| x[k] + y[k]),
+        |part, x| arch.dispatch(Forward { part, values, x }),
+        |part, x| arch.dispatch(Backward { part, values, x }),
+    );
 }
 
-struct Substitution<'a> {
-    factor: SupernodalLltRef<'a, u32, f64>,
-    b: &'a mut [Lanes],
+/// `L y = b`
+struct Forward<'a> {
+    part: &'a Part,
+    values: &'a [f64],
+    x: &'a mut [Lanes],
 }
 
 // A closure would do, but is compiled by itself, without the instructions that it is called for.
-impl WithSimd for Substitution<'_> {
+impl WithSimd for Forward<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        forward(self.factor, self.b);
-        backward(self.factor, self.b);
-    }
-}
-
-/// `L y = b`
-#[inline(always)]
-fn forward(factor: SupernodalLltRef<'_, u32, f64>, x: &mut [Lanes]) {
-    let symbolic = factor.symbolic();
-    let mut work = Vec::new();
-    for (s, span) in symbolic.col_ptr_for_val().windows(2).enumerate() {
-        let (start, rows) = (factor.supernode(s).start(), factor.supernode(s).pattern());
-        let values = &factor.values()[span[0] as usize..span[1] as usize];
-        let size = symbolic.supernode_end()[s] as usize - start;
-        // What the block takes from the rows below is gathered first.
-        work.clear();
-        work.extend_from_slice(&x[start..start + size]);
-        work.resize(size + rows.len(), [0.0; LANES]);
-        let mut first = 0;
-        while first < size {
-            let values = &values[first * work.len()..];
-            first += match size - first {
-                1 => eliminate::<1>(values, &mut work, first),
-                2 => eliminate::<2>(values, &mut work, first),
-                3 => eliminate::<3>(values, &mut work, first),
-                _ => eliminate::<4>(values, &mut work, first),
-            };
-        }
-        x[start..start + size].copy_from_slice(&work[..size]);
-        for (&row, taken) in rows.iter().zip(&work[size..]) {
-            let x = &mut x[row as usize];
-            (0..LANES).for_each(|k| x[k] += taken[k]);
+        let Self { part, values, x } = self;
+        let mut work = Vec::new();
+        for block in &part.blocks {
+            let (values, rows) = (&values[block.values.clone()], &part.rows[block.rows.clone()]);
+            let size = block.columns.len();
+            // What the block takes from the rows below is gathered first.
+            work.clear();
+            work.extend_from_slice(&x[block.columns.clone()]);
+            work.resize(size + rows.len(), [0.0; LANES]);
+            let mut first = 0;
+            while first < size {
+                let values = &values[first * work.len()..];
+                first += match size - first {
+                    1 => eliminate::<1>(values, &mut work, first),
+                    2 => eliminate::<2>(values, &mut work, first),
+                    3 => eliminate::<3>(values, &mut work, first),
+                    _ => eliminate::<4>(values, &mut work, first),
+                };
+            }
+            x[block.columns.clone()].copy_from_slice(&work[..size]);
+            for (&row, taken) in rows.iter().zip(&work[size..]) {
+                let x = &mut x[row as usize];
+                (0..LANES).for_each(|k| x[k] += taken[k]);
+            }
         }
     }
 }
 
 /// `L^T x = y`
-#[inline(always)]
-fn backward(factor: SupernodalLltRef<'_, u32, f64>, x: &mut [Lanes]) {
-    let symbolic = factor.symbolic();
-    let mut work = Vec::new();
-    for (s, span) in symbolic.col_ptr_for_val().windows(2).enumerate().rev() {
-        let (start, rows) = (factor.supernode(s).start(), factor.supernode(s).pattern());
-        let values = &factor.values()[span[0] as usize..span[1] as usize];
-        let size = symbolic.supernode_end()[s] as usize - start;
-        work.clear();
-        work.extend_from_slice(&x[start..start + size]);
-        work.extend(rows.iter().map(|&row| x[row as usize]));
-        let mut left = size;
-        while left > 0 {
-            left -= match left {
-                1 => substitute_back::<1>(values, &mut work, left),
-                2 => substitute_back::<2>(values, &mut work, left),
-                3 => substitute_back::<3>(values, &mut work, left),
-                _ => substitute_back::<4>(values, &mut work, left),
-            };
+struct Backward<'a> {
+    part: &'a Part,
+    values: &'a [f64],
+    x: &'a mut [Lanes],
+}
+
+impl WithSimd for Backward<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { part, values, x } = self;
+        let mut work = Vec::new();
+        for block in part.blocks.iter().rev() {
+            let (values, rows) = (&values[block.values.clone()], &part.rows[block.rows.clone()]);
+            let size = block.columns.len();
+            work.clear();
+            work.extend_from_slice(&x[block.columns.clone()]);
+            work.extend(rows.iter().map(|&row| x[row as usize]));
+            let mut left = size;
+            while left > 0 {
+                left -= match left {
+                    1 => substitute_back::<1>(values, &mut work, left),
+                    2 => substitute_back::<2>(values, &mut work, left),
+                    3 => substitute_back::<3>(values, &mut work, left),
+                    _ => substitute_back::<4>(values, &mut work, left),
+                };
+            }
+            x[block.columns.clone()].copy_from_slice(&work[..size]);
         }
-        x[start..start + size].copy_from_slice(&work[..size]);
     }
 }
 

@@ -9,6 +9,7 @@ use super::columns::Columns;
 use super::constraints::Constraints;
 use super::factor::{Factor, Symbolic};
 use super::matrix::SymmetricMatrix;
+use super::substitution::{LANES, Lanes};
 use crate::{Error, Job, Result, Vec3};
 
 /// A symmetric system with constraints, factored.
@@ -126,6 +127,11 @@ impl ConstrainedSystem {
     /// their targets.
     pub fn solve<R: AsRef<[Vec3]> + Sync>(&self, rhs: &[R], x: &mut [Vec<Vec3>]) {
         assert!(rhs.is_empty() || rhs.len() == x.len(), "unknowns match right-hand sides");
+        if let [x] = x
+            && self.solve_one(rhs.first().map(R::as_ref), x)
+        {
+            return;
+        }
         let free = self.constraints.free();
         let mut reduced = Columns::zeros(free.len(), 3 * x.len());
         reduced.data_mut().par_chunks_mut(free.len().max(1)).enumerate().for_each(|(c, column)| {
@@ -140,6 +146,38 @@ impl ConstrainedSystem {
                 x[v as usize] = Vec3::new(a[slot], b[slot], c[slot]);
             }
         });
+    }
+
+    /// The same for one set without detours; false where the factor does not suit that.
+    fn solve_one(&self, rhs: Option<&[Vec3]>, x: &mut [Vec3]) -> bool {
+        if self.correction.is_some() {
+            return false;
+        }
+        let free = self.constraints.free();
+        if free.is_empty() {
+            return true;
+        }
+        let lanes = |v: Vec3| [v.x, v.y, v.z, 0.0];
+        let of = |slot: u32| rhs.map_or([0.0; LANES], |rhs| lanes(rhs[free[slot as usize] as usize]));
+        let given = &*x;
+        let add = |b: &mut [Lanes], places: &[u32]| {
+            let mut add = |slot: u32, factor: f64, vertex: u32| {
+                let b = &mut b[places[slot as usize] as usize];
+                b.iter_mut().zip(lanes(given[vertex as usize])).for_each(|(b, x)| *b += factor * x);
+            };
+            self.coupling.iter().for_each(|&(slot, vertex, value)| add(slot, -value, vertex));
+            for &(vertex, weight) in self.constraints.soft() {
+                if let Some(slot) = self.constraints.slot(vertex) {
+                    add(slot, weight, vertex);
+                }
+            }
+        };
+        let Some((solved, places)) = self.factor.solve_lanes(of, add) else { return false };
+        for (&v, &place) in free.iter().zip(places) {
+            let [a, b, c, _] = solved[place as usize];
+            x[v as usize] = Vec3::new(a, b, c);
+        }
+        true
     }
 
     /// Harmonic extension of what given vertices hold, in place, for any number of sets: the solution without

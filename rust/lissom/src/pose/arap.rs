@@ -29,6 +29,7 @@ use std::f64::consts::PI;
 
 use super::field;
 use super::flat::Turns;
+use super::following::{Following, Reached};
 use super::goal::Goal;
 use super::lever::{self, Lever};
 use super::method::{Method, Solution, SolveOptions};
@@ -95,10 +96,11 @@ pub struct Arap {
     differences: Vec<Differences>,
     /// Of the descent, where rotations are smoothed.
     metric: Option<ConstrainedSystem>,
-    /// The rotations of the last pose.
-    previous: Option<Vec<Quat>>,
-    /// Those of a solve that has not been kept yet.
-    found: Vec<Quat>,
+    /// The last pose: rotations, and the shape.
+    previous: Option<(Vec<Quat>, Reached)>,
+    /// That of a solve that has not been kept yet.
+    found: (Vec<Quat>, Reached),
+    following: Following,
     /// Of each handle that has turned by itself: how much vertices turn along, and its compliance.
     levers: Vec<Option<(Vec<f64>, Mat3)>>,
 }
@@ -174,7 +176,8 @@ impl Arap {
             differences,
             metric,
             previous: None,
-            found: Vec::new(),
+            found: Default::default(),
+            following: Following::default(),
             levers: Vec::new(),
         })
     }
@@ -249,15 +252,25 @@ impl Arap {
 impl Posing<'_> {
     /// The shape that matches rotations best.
     fn stitched(&self, rotations: Vec<Quat>, turns: Vec<Quat>) -> Turned {
-        let Arap { stitcher, rest, rotation_smoothing, differences, .. } = self.arap;
-        let mut asked = stitcher.turn_divergence(&rotations);
-        for differences in differences {
+        let asked = self.asked(&rotations);
+        let mut displacements = [lever::asked(&self.goal.displacements, &self.levers, &turns)];
+        self.arap.stitcher.system().solve(&[&asked], &mut displacements);
+        let [displacements] = displacements;
+        self.at(rotations, turns, displacements, &asked)
+    }
+
+    /// What rotations ask of the displacements.
+    fn asked(&self, rotations: &[Quat]) -> Vec<Vec3> {
+        let mut asked = self.arap.stitcher.turn_divergence(rotations);
+        for differences in &self.arap.differences {
             differences.add_divergence(|i, v| turned_less(rotations[i], v), &mut asked);
         }
-        let given = lever::asked(&self.goal.displacements, &self.levers, &turns);
-        let mut displacements = [given.clone()];
-        stitcher.system().solve(&[&asked], &mut displacements);
-        let [displacements] = displacements;
+        asked
+    }
+
+    /// Rotations with the shape that matches them best. `asked` is what they ask of it, where there are levers.
+    fn at(&self, rotations: Vec<Quat>, turns: Vec<Quat>, displacements: Vec<Vec3>, asked: &[Vec3]) -> Turned {
+        let Arap { stitcher, rest, rotation_smoothing, differences, .. } = self.arap;
         let more = |i: usize| {
             let at = differences.iter().map(|differences| differences.at(i, &displacements));
             at.fold((Mat3::ZERO, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1))
@@ -268,16 +281,21 @@ impl Posing<'_> {
         // Else rounding grows where a symmetric shape is no minimum, as one that buckles.
         self.symmetry.symmetrise_turns(&mut turning.torques);
         self.symmetry.symmetrise_turns(&mut turning.misfits);
+        let soft = stitcher.system().constraints().soft();
+        let given = match soft {
+            [] => Vec::new(),
+            _ => lever::asked(&self.goal.displacements, &self.levers, &turns),
+        };
         let missed = |&(v, weight): &(u32, f64)| {
             weight * displacements[v as usize].distance_squared(given[v as usize])
         };
-        let pulls: f64 = stitcher.system().constraints().soft().iter().map(missed).sum();
+        let pulls: f64 = soft.iter().map(missed).sum();
         let (energy, size) = (turning.energy + pulls, turning.size + pulls);
         let (mut torques, mut misfits) = (turning.torques, turning.misfits);
         misfits.resize(misfits.len() + turns.len(), Vec3::ZERO);
         if !self.levers.is_empty() {
             let mut forces = stitcher.matrix().times_vectors(&displacements);
-            forces.iter_mut().zip(&asked).for_each(|(force, &asked)| *force -= asked);
+            forces.iter_mut().zip(asked).for_each(|(force, &asked)| *force -= asked);
             lever::add_torques(&mut torques, &self.levers, (&rotations, &turns), &forces);
         }
         self.turns.project(&mut torques);
@@ -329,19 +347,27 @@ impl Method for Arap {
     }
 
     fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution> {
-        let previous = self.previous.clone().filter(|_| options.warm_start);
         for &(handle, _) in &goal.pivots {
             if self.levers.get(handle).is_none_or(Option::is_none) {
                 self.add_lever(region, handle);
             }
         }
+        let followed = self
+            .previous
+            .as_ref()
+            .filter(|_| options.warm_start)
+            .and_then(|(_, reached)| self.following.moved(self.stitcher.system(), region, reached, goal));
         let posing = self.posing(region, goal);
-        let start = match previous {
-            Some(mut rotations) => {
+        let start = match (&self.previous, followed) {
+            (Some((rotations, _)), Some(shape)) if !posing.turns.are_flat() => {
+                posing.at(rotations.clone(), Vec::new(), shape, &[])
+            }
+            (Some((rotations, _)), _) if options.warm_start => {
+                let mut rotations = rotations.clone();
                 posing.turns.keep(&mut rotations);
                 posing.stitched(rotations, vec![Quat::IDENTITY; goal.pivots.len()])
             }
-            None => self.start(region, goal),
+            _ => self.start(region, goal),
         };
         let stop = Stop { max_iterations: options.max_iterations, tolerance: options.tolerance };
         let refined = refine(&posing, start, stop, |iteration| {
@@ -350,7 +376,7 @@ impl Method for Arap {
         })?;
         let cells = self.stitcher.owners().per_edge();
         let Turned { rotations, turns, displacements, energy, .. } = refined.point;
-        self.found = rotations;
+        self.found = (rotations, Reached { goal: Some(goal.clone()), displacements: displacements.clone() });
         Ok(Solution {
             displacements,
             iterations: refined.iterations,

@@ -45,6 +45,11 @@ impl Turns {
         Self { normal: None }
     }
 
+    /// Whether they are those about one axis.
+    pub fn are_flat(self) -> bool {
+        self.normal.is_some()
+    }
+
     /// The one nearest to a matrix.
     pub fn nearest(self, m: Mat3) -> Mat3 {
         let Some(n) = self.normal else { return nearest_rotation(m) };

@@ -17,13 +17,14 @@
 //! | [`arap`] | the rotations that fit the current shape best, again and again |
 //!
 //! Handles may turn by themselves (`own_turns`): `agree` finds turns that suit all methods, and `lever` makes them
-//! unknowns of `arap`.
+//! unknowns of `arap`. `following` spares it a solve where handles move on.
 
 mod agree;
 pub mod arap;
 mod bound;
 mod field;
 mod flat;
+mod following;
 mod goal;
 mod handles;
 mod images;

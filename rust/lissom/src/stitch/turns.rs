@@ -53,6 +53,7 @@ pub fn turned(rotations: &[Quat], by: &[Vec3], length: f64) -> Vec<Quat> {
 }
 
 /// `(R - I) v`.
+#[inline]
 pub fn turned_less(q: Quat, v: Vec3) -> Vec3 {
     let u = Vec3::new(q.x, q.y, q.z);
     2.0 * u.cross(v * q.w + u.cross(v))
