@@ -1,4 +1,4 @@
-//! Sparse Cholesky factorization behind one small type; beside [`super::substitution`] the only file that knows faer's
+//! Sparse Cholesky factorization behind one small type; beside [`super::schedule`] the only file that knows faer's
 //! solver.
 
 use std::sync::{Arc, OnceLock};
