@@ -47,3 +47,10 @@ options! {
         pub target_mask: Vec<u32> = Vec::new(),
     }
 }
+
+impl FitOptions {
+    /// How far on the way from the first step to the last one a step is; at its end where it is the only one.
+    pub(super) fn share_of(&self, step: usize) -> f64 {
+        if self.steps == 1 { 1.0 } else { step as f64 / (self.steps - 1) as f64 }
+    }
+}

@@ -18,8 +18,11 @@
 //!
 //! The weights are for a target of diagonal 10, whatever the units of the meshes.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
+use super::coarse::Coarse;
 use super::descent::Descent;
 use super::energy::{Energy, TermWeights};
 use super::lie::Lie;
@@ -30,6 +33,7 @@ use super::pulls::{self, Pull};
 use super::side::{Placed, Side};
 use crate::geometry::rigid::Alignment;
 use crate::geometry::surface::Surface;
+use crate::linear::Factor;
 use crate::{Job, Mesh, Result, Vec3};
 
 /// The target's diagonal squared in the units that the weights are meant for; here it is 1.
@@ -68,7 +72,8 @@ const REACH: [f64; 2] = [0.1, 0.02];
 /// ... but not below so many times what a quarter of the vertices is off by at most.
 const QUARTILES: f64 = 4.0;
 
-/// From this fraction of the steps on, closest points are looked up from both sides.
+/// From this fraction of the steps on, closest points are looked up from both sides, and of the whole source; before, a
+/// coarse one will do.
 const BOTH_SIDES: f64 = 0.7;
 
 /// The mean of a plane's weights over the directions, times this, is the metric: measured, 0.9 converges fastest.
@@ -89,88 +94,182 @@ pub fn register(
     options: &FitOptions,
     job: &Job,
 ) -> Result<(Vec<Vec3>, usize)> {
-    let (mesh, n) = (source.mesh, source.mesh.vertices().len());
-    let components = mesh.components();
-    let Lie { markers, scatter, size, shift, .. } = lie;
-    let exact = options.marker_tolerance == 0.0;
-    let mut fixed = vec![None; n];
-    for marker in markers.iter().filter(|m| exact && m.is_vertex()) {
-        fixed[marker.corners[0] as usize] = Some(marker.goal);
-    }
-    let weights = TermWeights { smoothness: options.smoothness, identity: options.identity };
-    // Vertices in no face have no energy: they stay where they are.
-    let mut energy =
-        Energy::new(mesh, *size, weights, |v| fixed[v].is_some() || components.of_vertex(v).is_none())?;
-    let mut u = energy.rest();
-    u[..n].iter_mut().for_each(|x| *x += *shift);
-    u.iter_mut().zip(&fixed).for_each(|(x, goal)| *x = goal.unwrap_or(*x));
-    job.check()?;
-    if !markers.is_empty() {
-        follow_markers(&energy, markers, &mut u)?;
-    }
-
-    let other_proportions = (EXPLAINED * options.marker_tolerance..PROPORTIONS).contains(scatter);
-    let trust = match other_proportions {
-        true => TRUSTED,
-        false => (options.marker_tolerance / scatter.max(LEAST_SCATTER)).max(1.0),
-    };
-    let mut look_up = LookUp::new(source, target, options.match_distance);
-    let total = options.steps * options.rounds;
-    let mut surface = None;
-    for step in 0..options.steps {
-        let fraction = if options.steps == 1 { 1.0 } else { step as f64 / (options.steps - 1) as f64 };
-        let pull = options.closest.powf(fraction);
-        let off = look_up.find_partners(&u[..n], job)?;
-        let reach = (REACH[0] * (REACH[1] / REACH[0]).powf(fraction)).max(QUARTILES * off);
-        let left = 1.0 - step as f64 / (options.steps.max(3) - 2) as f64;
-        let falling = FALLING * left.max(0.0).powi(2);
-        if other_proportions {
-            energy.refer(&u);
+    let whole = Part { source, target, lie, markers: &lie.markers, stands_for: 1.0, options, job };
+    let from_both_sides = (0..options.steps).find(|&step| options.share_of(step) >= BOTH_SIDES);
+    let coarse_steps = from_both_sides.unwrap_or(options.steps);
+    let coarse = if coarse_steps > 0 { Coarse::of(source, &lie.markers) } else { None };
+    let (mut energy, mut u, done);
+    match &coarse {
+        Some(coarse) => {
+            (energy, u) = whole.begin_on(coarse, coarse_steps)?;
+            done = coarse_steps;
         }
-        let mut descent = None;
-        for round in 0..options.rounds {
-            let placed = Placed::again(source, &u[..n], surface.take());
-            let mut pulls = look_up.forth(&placed, pull * DIAGONAL_SQUARED, reach, job)?;
-            if fraction >= BOTH_SIDES {
-                pulls.extend(look_up.back(&placed, pull * DIAGONAL_SQUARED, reach, job)?);
-            }
-            surface = Some(placed.surface);
-            pulls.extend(markers.iter().map(|m| {
-                let within = KEPT_WITHIN * options.marker_tolerance * trust;
-                let kept = KEPT * trust * m.share(&u, within);
-                m.pull(if exact { EXACT } else { falling.max(kept) } * DIAGONAL_SQUARED)
-            }));
-            if descent.is_none() {
-                let mut metric = pulls::uncoupled(&pulls, n);
-                metric.iter_mut().for_each(|d| *d = (*d * METRIC).max(LEAST * pull));
-                descent = Some(Descent::new(&energy, energy.factor(&metric)?));
-            }
-            job.check()?;
-            descent.iter_mut().for_each(|descent| descent.go(&pulls, &mut u, 1));
-            job.report(0.1 + 0.8 * (step * options.rounds + round + 1) as f64 / total as f64, "fit");
+        None => {
+            (energy, u) = whole.begin()?;
+            whole.follow_markers(&energy, &mut u)?;
+            done = 0;
         }
     }
-    u.truncate(n);
-    Ok((u, total))
+    whole.pull(&mut energy, &mut u, done..options.steps)?;
+    u.truncate(source.mesh.vertices().len());
+    Ok((u, options.steps * options.rounds))
 }
 
-/// `w_C = 0`. Components without markers are held at rest, which costs them nothing, and carried.
-fn follow_markers(energy: &Energy, markers: &[Marker], u: &mut [Vec3]) -> Result<()> {
-    let components = energy.mesh().components();
-    let mut marked = vec![false; components.count()];
-    for marker in markers {
-        marked[components.of_vertex(marker.corners[0] as usize).unwrap_or_default()] = true;
+/// The source, or a coarse one, on its way to the target.
+#[derive(Clone, Copy)]
+struct Part<'a> {
+    source: &'a Side<'a>,
+    target: &'a Placed<'a>,
+    lie: &'a Lie,
+    markers: &'a [Marker],
+    /// How many triangles of the source there are for one of it.
+    stands_for: f64,
+    options: &'a FitOptions,
+    job: &'a Job,
+}
+
+impl<'a> Part<'a> {
+    /// The energy, and the source at rest where it lies on the target.
+    fn begin(&self) -> Result<(Energy<'a>, Vec<Vec3>)> {
+        let (mesh, options) = (self.source.mesh, self.options);
+        let (n, components) = (mesh.vertices().len(), mesh.components());
+        let mut fixed = vec![None; n];
+        let exact = options.marker_tolerance == 0.0;
+        for marker in self.markers.iter().filter(|m| exact && m.is_vertex()) {
+            fixed[marker.corners[0] as usize] = Some(marker.goal);
+        }
+        let identity = options.identity * self.stands_for;
+        let weights = TermWeights { smoothness: options.smoothness, identity };
+        // Vertices in no face have no energy: they stay where they are.
+        let is_fixed = |v: usize| fixed[v].is_some() || components.of_vertex(v).is_none();
+        let energy = Energy::new(mesh, self.lie.size, weights, is_fixed)?;
+        let mut u = energy.rest();
+        u[..n].iter_mut().for_each(|x| *x += self.lie.shift);
+        u.iter_mut().zip(&fixed).for_each(|(x, goal)| *x = goal.unwrap_or(*x));
+        self.job.check()?;
+        Ok((energy, u))
     }
-    let n = energy.mesh().vertices().len();
-    let held = |v: &usize| components.of_vertex(*v).is_some_and(|c| !marked[c]);
-    let hold = (0..n).filter(held).map(|v| Pull::to_point([v as u32; 3], Vec3::X, u[v], 1.0));
-    let mark = markers.iter().map(|m| m.pull(MARKED * DIAGONAL_SQUARED));
-    let pulls: Vec<Pull> = hold.chain(mark).collect();
-    let factor = energy.factor(&pulls::uncoupled(&pulls, n))?;
-    let at_vertices = markers.iter().all(Marker::is_vertex);
-    Descent::new(energy, factor).go(&pulls, u, if at_vertices { 1 } else { SOLVES });
-    carry_unmarked(energy.mesh(), &marked, &mut u[..n]);
-    Ok(())
+
+    /// The same where a coarse source has come in so many steps, which the whole one follows: its vertices are markers.
+    fn begin_on(&self, coarse: &Coarse, steps: usize) -> Result<(Energy<'a>, Vec<Vec3>)> {
+        let side = coarse.side(self.source)?;
+        let on = Part { source: &side, markers: &coarse.markers, stands_for: coarse.stands_for, ..*self };
+        let places = || -> Result<Vec<Vec3>> {
+            let (mut energy, mut u) = on.begin()?;
+            on.follow_markers(&energy, &mut u)?;
+            on.pull(&mut energy, &mut u, 0..steps)?;
+            Ok(u)
+        };
+        let markers = |places: &[Vec3]| -> Vec<Marker> {
+            let marker = |(&v, &goal): (&u32, &Vec3)| Marker::at_vertex(self.source.mesh, v, goal);
+            coarse.vertices.iter().zip(places).map(marker).collect()
+        };
+        // A factorization keeps one core busy, and this one does not depend on where the markers lead.
+        let lead = || -> Result<_> {
+            let (energy, u) = self.begin()?;
+            let lead = Lead::new(&energy, &markers(coarse.mesh.rest()))?;
+            Ok((energy, u, lead))
+        };
+        let (lead, places) = rayon::join(lead, places);
+        let ((energy, mut u, lead), places) = (lead?, places?);
+        lead.go(&energy, &markers(&places), &mut u);
+        Ok((energy, u))
+    }
+
+    /// `w_C = 0`
+    fn follow_markers(&self, energy: &Energy, u: &mut [Vec3]) -> Result<()> {
+        if !self.markers.is_empty() {
+            Lead::new(energy, self.markers)?.go(energy, self.markers, u);
+        }
+        Ok(())
+    }
+
+    /// `w_C` as it rises in these steps.
+    fn pull(&self, energy: &mut Energy, u: &mut [Vec3], steps: Range<usize>) -> Result<()> {
+        let Self { source, target, markers, options, job, .. } = *self;
+        let (n, scatter) = (source.mesh.vertices().len(), self.lie.scatter);
+        let exact = options.marker_tolerance == 0.0;
+        let other_proportions = (EXPLAINED * options.marker_tolerance..PROPORTIONS).contains(&scatter);
+        let trust = match other_proportions {
+            true => TRUSTED,
+            false => (options.marker_tolerance / scatter.max(LEAST_SCATTER)).max(1.0),
+        };
+        let mut look_up = LookUp::new(source, target, options.match_distance);
+        let total = options.steps * options.rounds;
+        let mut surface = None;
+        for step in steps {
+            let fraction = options.share_of(step);
+            let pull = self.stands_for * options.closest.powf(fraction);
+            let off = look_up.find_partners(&u[..n], job)?;
+            let reach = (REACH[0] * (REACH[1] / REACH[0]).powf(fraction)).max(QUARTILES * off);
+            let left = 1.0 - step as f64 / (options.steps.max(3) - 2) as f64;
+            let falling = FALLING * left.max(0.0).powi(2);
+            if other_proportions {
+                energy.refer(u);
+            }
+            let mut descent = None;
+            for round in 0..options.rounds {
+                let placed = Placed::again(source, &u[..n], surface.take());
+                let mut pulls = look_up.forth(&placed, pull * DIAGONAL_SQUARED, reach, job)?;
+                if fraction >= BOTH_SIDES {
+                    pulls.extend(look_up.back(&placed, pull * DIAGONAL_SQUARED, reach, job)?);
+                }
+                surface = Some(placed.surface);
+                pulls.extend(markers.iter().map(|m| {
+                    let within = KEPT_WITHIN * options.marker_tolerance * trust;
+                    let kept = KEPT * trust * m.share(u, within);
+                    m.pull(if exact { EXACT } else { falling.max(kept) } * DIAGONAL_SQUARED)
+                }));
+                if descent.is_none() {
+                    let mut metric = pulls::uncoupled(&pulls, n);
+                    metric.iter_mut().for_each(|d| *d = (*d * METRIC).max(LEAST * pull));
+                    descent = Some(Descent::new(energy, energy.factor(&metric)?));
+                }
+                job.check()?;
+                descent.iter_mut().for_each(|descent| descent.go(&pulls, u, 1));
+                job.report(0.1 + 0.8 * (step * options.rounds + round + 1) as f64 / total as f64, "fit");
+            }
+        }
+        Ok(())
+    }
+}
+
+/// How markers alone lead. Components without any are held at rest, which costs them nothing, and carried.
+struct Lead {
+    /// Which components are marked.
+    marked: Vec<bool>,
+    factor: Factor,
+}
+
+impl Lead {
+    /// By these markers, wherever to.
+    fn new(energy: &Energy, markers: &[Marker]) -> Result<Self> {
+        let components = energy.mesh().components();
+        let mut marked = vec![false; components.count()];
+        for marker in markers {
+            marked[components.of_vertex(marker.corners[0] as usize).unwrap_or_default()] = true;
+        }
+        let n = energy.mesh().vertices().len();
+        let pulls = Self::pulls(&marked, energy, markers, &energy.rest());
+        Ok(Self { factor: energy.factor(&pulls::uncoupled(&pulls, n))?, marked })
+    }
+
+    /// To where the same markers belong.
+    fn go(self, energy: &Energy, markers: &[Marker], u: &mut [Vec3]) {
+        let pulls = Self::pulls(&self.marked, energy, markers, u);
+        let at_vertices = markers.iter().all(Marker::is_vertex);
+        Descent::new(energy, self.factor).go(&pulls, u, if at_vertices { 1 } else { SOLVES });
+        let n = energy.mesh().vertices().len();
+        carry_unmarked(energy.mesh(), &self.marked, &mut u[..n]);
+    }
+
+    fn pulls(marked: &[bool], energy: &Energy, markers: &[Marker], u: &[Vec3]) -> Vec<Pull> {
+        let components = energy.mesh().components();
+        let held = |v: &usize| components.of_vertex(*v).is_some_and(|c| !marked[c]);
+        let n = energy.mesh().vertices().len();
+        let hold = (0..n).filter(held).map(|v| Pull::to_point([v as u32; 3], Vec3::X, u[v], 1.0));
+        hold.chain(markers.iter().map(|m| m.pull(MARKED * DIAGONAL_SQUARED))).collect()
+    }
 }
 
 /// Moves every component without a marker as the marked surface beside it has moved.
