@@ -6,7 +6,7 @@ import lissom
 import numpy as np
 import pytest
 from faces import diagonal, triangulate
-from shapes import tube
+from shapes import grid_faces, tube
 
 VERTICES, FACES = tube(rows=24, columns=16)
 MARKERS = [[0, 0], [7, 7], [200, 200], [370, 370], [380, 380]]
@@ -171,3 +171,26 @@ def test_masked_vertices_match_nothing():
             lissom.InvalidConstraint, match=rf"{name}: vertex out of range.*\(at 1; 1 in all\)"
         ):
             lissom.fit_correspondence(source, target, pairs, **{name: [0, len(vertices)]})
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_keys_turn_by_the_surface_where_few_markers_tilt(seed):
+    """Three markers, one of them on a hump that only the target has, lie tilted more than the surfaces."""
+    random = np.random.default_rng(seed)
+    x, y = (axis.ravel() for axis in np.meshgrid(np.linspace(-1, 1, 25), np.linspace(-1, 1, 25)))
+    height = 0.5 * np.cos(1.2 * x) * np.cos(1.5 * y)
+    source = np.column_stack([x, y, height])
+    marked = [int(np.argmin(np.hypot(x - a, y - b))) for a, b in ((-0.5, -0.3), (0.5, -0.3), (0.0, 0.4))]
+    hump = 0.2 * np.exp(-(((x - x[marked[2]]) ** 2 + (y - y[marked[2]]) ** 2) / 0.15))
+    target = source + np.outer(hump, [0, 0, 1])
+    from_, to = (shape[marked] - shape[marked].mean(0) for shape in (source, target))
+    u, _, vt = np.linalg.svd(from_.T @ to)
+    by_markers = u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt
+    assert np.degrees(np.arccos((np.trace(by_markers) - 1) / 2)) > 6
+    order = random.permutation(len(source))
+    place, faces = np.argsort(order), grid_faces(25, 25)
+    key = source + np.outer(0.2 * np.exp(-(x**2 + y**2) / 0.1), [0, 0, 1])
+    meshes = lissom.Mesh(source, faces), lissom.Mesh(target[order], place[faces])
+    fit = lissom.fit_correspondence(*meshes, np.column_stack([marked, place[marked]]))
+    moved = (lissom.Transfer(*meshes, fit).apply(key[None]).vertices[0] - target[order]).sum(0)
+    assert np.degrees(np.arccos(moved[2] / np.linalg.norm(moved))) < 2

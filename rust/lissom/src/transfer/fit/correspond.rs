@@ -11,7 +11,7 @@ use super::registration::register;
 use super::same::same;
 use super::side::{Placed, Side};
 use crate::options::OptionSet;
-use crate::{Error, Fault, Job, Mat3, Mesh, Result};
+use crate::{Error, Fault, Job, Mesh, Result};
 
 /// Fits `source` to `target` by `markers`, pairs of a source vertex and a target vertex; by `None` it finds out itself
 /// how the two lie on each other ([`crate::transfer::alignment`]).
@@ -85,7 +85,7 @@ pub fn fit_correspondence(
         conclude(&Placed::new(&source_side, &x), &onto, options.match_distance, report, false, job)?;
     fit.report.doubt_what_is_uncovered();
     (fit.rest, fit.coefficients) = morph.told(source);
-    fit.matches.turn = lie.turn.unwrap_or(Mat3::IDENTITY);
+    fit.matches.turn = lie.settled_turn(source, &x);
     fit.matches.curves = led.curves;
     let in_units = |off: Vec<f64>| off.into_iter().map(|off| off * target.frame().scale).collect();
     [fit.marker_distances, fit.curve_distances] = led.off.map(in_units);
