@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from faces import root_mean_square, triangulate
 
-LENGTH, COLUMNS = 3.0, 21
+LENGTH, COLUMNS = 20.0, 21
 
 
 def lips(opening, around):
@@ -163,7 +163,7 @@ def test_what_closes_goes_around_a_solid_part_of_the_target():
 
 
 def test_contact_does_no_harm_where_the_answer_is_known(data):
-    """Eyes and teeth of the source touch lids and lips: what goes around them must not go elsewhere."""
+    """Eyes as high as this person's size makes them close by the gradients: nothing changes, to the bit."""
     archive = data("ict_face")
     neutral, landmarks = archive["neutral"].astype(float), archive["landmarks"]
     faces = triangulate(archive["loops"], archive["counts"])
@@ -173,15 +173,13 @@ def test_contact_does_no_harm_where_the_answer_is_known(data):
     known = neutral + archive["identities"][1]
     source, target = lissom.Mesh(neutral, faces), lissom.Mesh(known, faces[::-1])
     fit = lissom.fit_correspondence(source, target, np.column_stack([landmarks, landmarks]))
-    error = {}
-    for contact in (False, True):
-        result = lissom.Transfer(source, target, fit, contact=contact).apply(neutral + offsets).vertices
-        error[contact] = np.array(
-            [
-                root_mean_square((shape - known - offset)[:9409]) / root_mean_square(offset[:9409])
-                for shape, offset in zip(result, offsets, strict=True)
-            ]
-        )
-    print("without", error[False], "with", error[True])
-    # Lips that go through each other, as those of mouthClose without jawOpen, are kept from it.
-    assert error[True].mean() < 1.1 * error[False].mean() and error[True].max() < 0.05
+    without, with_it = (
+        lissom.Transfer(source, target, fit, contact=contact).apply(neutral + offsets).vertices
+        for contact in (False, True)
+    )
+    assert np.array_equal(without, with_it)
+    error = [
+        root_mean_square((shape - known - offset)[:9409]) / root_mean_square(offset[:9409])
+        for shape, offset in zip(with_it, offsets, strict=True)
+    ]
+    assert max(error) < 0.05

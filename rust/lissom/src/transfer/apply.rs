@@ -199,7 +199,7 @@ impl Transfer {
                 for (v, to) in self.anchors.targets(&self.target, &self.chooser, &moved) {
                     given[v as usize] = to;
                 }
-                let contacts = rims.map_or(Vec::new(), |rims| self.ways().contacts(rims, &key));
+                let contacts = rims.map_or(Vec::new(), |rims| self.ways().contacts(rims, &key, false));
                 ((Moving { key, moved, moves, contacts }, changes), (rhs, given))
             })
             .unzip();

@@ -164,8 +164,9 @@ impl Ways<'_> {
         Rims::new(self.source, self.target, self.used, |component| self.anchors.size(component))
     }
 
-    /// What comes together in a key.
-    pub fn contacts(&self, rims: &Rims, key: &SourceKey) -> Vec<Contact> {
-        rims.contacts(self.source, self.target, self.used, key, |component| self.anchors.size(component))
+    /// What comes together in a key, without `all` as far as gradients alone do not see to it.
+    pub fn contacts(&self, rims: &Rims, key: &SourceKey, all: bool) -> Vec<Contact> {
+        let size = |component| self.anchors.size(component);
+        rims.contacts(self.source, self.target, self.used, key, size, all)
     }
 }

@@ -41,6 +41,7 @@ mod frames;
 mod image;
 pub mod learn;
 mod obstacle;
+mod opening;
 mod options;
 mod place;
 pub mod quality;

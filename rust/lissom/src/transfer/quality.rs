@@ -143,7 +143,7 @@ impl Transfer {
             (count, if count > 0 { (area_of(&which) / moving).max(f64::MIN_POSITIVE) } else { 0.0 })
         };
         let (turned, torn) = (part(|t| t.turned), part(|t| t.torn));
-        let contacts = self.ways().contacts(self.rims(), &key);
+        let contacts = self.ways().contacts(self.rims(), &key, true);
         let gaps: Vec<_> = contacts.iter().map(|c| c.closing(target, &displacements)).collect();
         let apart: f64 = gaps.iter().map(|(_, left)| left.max(0.0)).sum();
         let gap = apart / contacts.len().max(1) as f64;

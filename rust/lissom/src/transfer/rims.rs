@@ -1,14 +1,6 @@
 //! Rims: places that face each other across an opening, as those of lids and lips do, and come together as it closes.
 //!
-//! ```text
-//!     D' = r Q S'        S, D = from one place to the other at rest, on the source and on the target
-//!                        S'   = the same on the source once the key is on
-//!                        r    = |D| / |S|, where they touch the size of the target over that of the source
-//!                        Q    = the least rotation from S to D
-//! ```
-//!
-//! A lid that goes over half its opening on the source does so on the target, whatever the height of its eye, and
-//! one that goes over the other goes over it by the same part of the opening. Which places touch once an opening has
+//! What they ask for in a key is told in [`super::opening`]. Which places touch once an opening has
 //! closed is seen in the key itself ([`super::touching`]). What is near to each other at rest, as lips are, has no
 //! opening: it slides, and the gradients say how.
 
@@ -20,12 +12,13 @@ use super::choose::SourceKey;
 use super::contact::{Contact, mass};
 use super::correspondence::Correspondence;
 use super::image::SurfacePoint;
+use super::opening::{BRUSHED, Opening, Own, Place, Rim};
 use super::ridges::ridges;
 use super::touching::{Touching, across, blend};
 use crate::geometry::groups::Groups;
 use crate::geometry::surface::Surface;
 use crate::mesh::Paths;
-use crate::{Mesh, Quat, Vec3};
+use crate::{Mesh, Vec3};
 
 /// Openings are at most so wide and at least so narrow, as fractions of the source's diagonal: eyes are 3 % of a head.
 const WIDE: f64 = 0.12;
@@ -38,111 +31,6 @@ const FACING: f64 = 0.3;
 /// What is so near to a rim, a fraction of the source's diagonal and in edges, goes with it: lids are as thick.
 const BESIDE: f64 = 0.01;
 const RINGS: usize = 3;
-
-/// An opening of the target that is so many times as wide or narrow, against the size of both, is another one.
-const MOST_TIMES: f64 = 10.0;
-
-/// An opening closes from the first part of its way on, which all but few of its rims have not gone further than, and wholly
-/// from the second: what nears less is led by the gradients.
-const NEARING: [f64; 2] = [0.1, 0.2];
-const MOST: f64 = 0.9;
-
-/// Each rim counts from the first part of what most of them have gone on, and wholly from the second.
-const CLOSING: [f64; 2] = [0.5, 0.9];
-
-/// What is so near to each other, a fraction of the source's diagonal, touches: it does so on the target, as lids are not as
-/// thick as their eye is high. From twice that on there is an opening.
-const TOUCHING: f64 = 0.005;
-
-/// Closing along less than this, a part of the target's diagonal, is a chance touch; both lids of an eye have 0.3.
-const BRUSHED: f64 = 0.1;
-
-/// A place on the source: the corners of a triangle, and what each counts.
-type Place = ([u32; 3], Vec3);
-
-/// A target vertex and the place across.
-struct Rim {
-    vertex: u32,
-    /// Target vertices and what each counts there; they add up to 1.
-    place: Vec<(u32, f64)>,
-    /// The images of both.
-    images: [Place; 2],
-    /// `S` and `D`.
-    across: [Vec3; 2],
-    /// Of the target over that of the source.
-    size: f64,
-}
-
-impl Rim {
-    /// `None` where the two lie otherwise on the target, `size` times as large, than `from` here to there on the source.
-    fn new(
-        target: &Mesh,
-        vertex: u32,
-        place: Vec<(u32, f64)>,
-        images: [Place; 2],
-        from: Vec3,
-        size: f64,
-    ) -> Option<Self> {
-        let at = |v: u32| target.rest()[v as usize];
-        let across = place.iter().map(|&(v, weight)| at(v) * weight).sum::<Vec3>() - at(vertex);
-        let times = across.length() / (from.length() * size);
-        let same = across.dot(from) > FACING * from.length() * across.length();
-        let known = same && times > 1.0 / MOST_TIMES && times < MOST_TIMES;
-        known.then_some(Self { vertex, place, images, across: [from, across], size })
-    }
-
-    /// From one place to the other on the source once a key is on.
-    fn posed(&self, key: &SourceKey) -> Vec3 {
-        let [here, there] = self.images.each_ref().map(|image| blend(image, &key.displacement));
-        self.across[0] + there - here
-    }
-
-    /// What it asks for where the two have come to be `posed`, and counts by `weight`.
-    fn contact(&self, target: &Mesh, posed: Vec3, weight: f64) -> Contact {
-        let [from, to] = self.across;
-        let opening = to.length() / from.length();
-        let touching = (2.0 - posed.length() / TOUCHING).clamp(0.0, 1.0);
-        let gap = Quat::from_rotation_arc(from.normalize(), to.normalize()) * posed;
-        let gap = gap * (opening + (self.size - opening) * touching);
-        Contact::across(target, self.vertex, self.place.clone(), gap, weight)
-    }
-}
-
-/// Rims that hang together, as those of both lids do, and what touches around them.
-struct Opening {
-    rims: Vec<Rim>,
-    touching: Touching,
-}
-
-impl Opening {
-    /// What its rims ask for in a key, by vertex of the target.
-    fn closing(&self, target: &Mesh, key: &SourceKey) -> BTreeMap<u32, Contact> {
-        let posed: Vec<Vec3> = self.rims.iter().map(|rim| rim.posed(key)).collect();
-        let nearing = |(rim, posed): (&Rim, &Vec3)| 1.0 - posed.length() / rim.across[0].length();
-        let nearing: Vec<f64> = self.rims.iter().zip(&posed).map(nearing).collect();
-        let mut sorted = nearing.clone();
-        sorted.sort_unstable_by(f64::total_cmp);
-        let most = sorted[(MOST * (sorted.len() - 1) as f64) as usize].min(1.0);
-        let closes = smooth(most, NEARING);
-        if closes == 0.0 {
-            return BTreeMap::new();
-        }
-        let contact = |((rim, nearing), posed): ((&Rim, &f64), &Vec3)| {
-            let weight = closes * smooth(*nearing, CLOSING.map(|part| part * most));
-            (weight > 0.0).then(|| (rim.vertex, rim.contact(target, *posed, weight)))
-        };
-        let found: BTreeMap<u32, Contact> =
-            self.rims.iter().zip(&nearing).zip(&posed).filter_map(contact).collect();
-        let along: f64 = found.values().map(Contact::length).sum();
-        if along > BRUSHED { found } else { BTreeMap::new() }
-    }
-}
-
-/// From 0 at the first of two values to 1 at the second.
-fn smooth(value: f64, [from, to]: [f64; 2]) -> f64 {
-    let part = ((value - from) / (to - from)).clamp(0.0, 1.0);
-    part * part * (3.0 - 2.0 * part)
-}
 
 /// The openings of a source and a target that belong together.
 pub struct Rims(Vec<Opening>);
@@ -178,24 +66,30 @@ impl Rims {
         let opening = |rims: Vec<Rim>| {
             let images = rims.iter().flat_map(|rim| rim.images.iter().flat_map(|image| image.0));
             let touching = Touching::new(source, target, matches, &paths, images);
-            Opening { rims, touching }
+            let own = Own::of(source, target, &paths, &rims);
+            Opening { rims, touching, own }
         };
         Self(openings(target, rims).into_iter().map(opening).collect())
     }
 
-    /// Their vertices on the target.
+    /// Those that gradients alone do not close.
+    fn of_own_height(&self) -> impl Iterator<Item = &Opening> {
+        self.0.iter().filter(|opening| opening.own.touching > 0.0)
+    }
+
+    /// The target's vertices along those that gradients alone do not close.
     pub fn vertices(&self) -> impl Iterator<Item = u32> + '_ {
-        let rims = self.0.iter().flat_map(|opening| &opening.rims);
+        let rims = self.of_own_height().flat_map(|opening| &opening.rims);
         rims.flat_map(|rim| rim.place.iter().map(|&(v, _)| v).chain([rim.vertex]))
     }
 
     /// Vertices of the source around their images.
     pub fn images(&self) -> Vec<u32> {
-        let rims = self.0.iter().flat_map(|opening| &opening.rims);
+        let rims = self.of_own_height().flat_map(|opening| &opening.rims);
         rims.flat_map(|rim| rim.images.iter().flat_map(|image| image.0)).collect()
     }
 
-    /// What comes together in a key: none where nothing closes.
+    /// What comes together in a key: none where nothing closes. Without `all` less of what gradients alone close.
     pub fn contacts(
         &self,
         source: &Mesh,
@@ -203,16 +97,22 @@ impl Rims {
         matches: &Correspondence,
         key: &SourceKey,
         size: impl Fn(usize) -> f64 + Sync,
+        all: bool,
     ) -> Vec<Contact> {
-        let mut all = BTreeMap::new();
+        let mut contacts = BTreeMap::new();
         for opening in &self.0 {
-            let mut found = opening.closing(target, key);
+            let own = if all { Own::ALL } else { opening.own };
+            if own.touching == 0.0 {
+                continue;
+            }
+            let mut found = opening.closing(target, key, own);
             if !found.is_empty() {
-                found.extend(opening.touching.contacts(source, target, matches, key, &size));
-                all.extend(found);
+                let touching = &opening.touching;
+                found.extend(touching.contacts(source, target, matches, key, &size, own.touching));
+                contacts.extend(found);
             }
         }
-        all.into_values().collect()
+        contacts.into_values().collect()
     }
 }
 

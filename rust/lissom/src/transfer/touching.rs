@@ -90,8 +90,8 @@ impl Touching {
         Self { at_rest: Surface::of(&triangles, source.rest()), triangles, vertices }
     }
 
-    /// Vertices that touch something in a key; `size` is that of the target over that of the source, for each
-    /// component of the target.
+    /// Vertices that touch something in a key, which count by `weight`; `size` is that of the target over that of the
+    /// source, for each component of the target.
     pub fn contacts(
         &self,
         source: &Mesh,
@@ -99,6 +99,7 @@ impl Touching {
         matches: &Correspondence,
         key: &SourceKey,
         size: impl Fn(usize) -> f64 + Sync,
+        weight: f64,
     ) -> Vec<(u32, Contact)> {
         let moved = |t: &[u32; 3]| t.map(|v| source.rest()[v as usize] + key.displacement[v as usize]);
         let surface = Surface::new(self.triangles.iter().map(moved).collect());
@@ -121,7 +122,7 @@ impl Touching {
             }
             let place = across(target, matches, v, (self.triangles[hit.triangle], hit.weights))?;
             let gap = (hit.point - at) * size(target.components().of_vertex(v as usize)?);
-            Some((v, Contact::across(target, v, place, gap, 1.0)))
+            Some((v, Contact::across(target, v, place, gap, weight)))
         };
         self.vertices.par_iter().filter_map(contact).collect()
     }
