@@ -1,5 +1,6 @@
 """Options as the artist meets them: labels, and the ends of sliders; all else is that of lissom.options()."""
 
+import argparse
 from typing import NamedTuple
 
 import lissom
@@ -44,7 +45,7 @@ def argument(owner, name):
     """Keyword arguments of argparse for an option of the core."""
     known = _KNOWN[owner, name]
     if known.kind == "bool":
-        return {"action": "store_true", "help": known.help}
+        return {"action": argparse.BooleanOptionalAction, "default": known.default, "help": known.help}
     if known.kind == "choice":
         return {
             "choices": [value for value, _ in known.choices],

@@ -134,8 +134,8 @@ class TransferOptions(TypedDict, total=False):
     """The length below which gradients rule and beyond it displacements: lower suits shapes that are much
     alike, inf is gradients alone."""
     contact: bool
-    """Openings that close on the source, as lids do in a blink, close by the same part of their own height on
-    the target, and lids slide around closed convex parts, as eyes are."""
+    """Openings of another height that close on the source, as lids do in a blink, close by the same part of
+    it on the target, and slide around closed convex parts, as eyes are."""
     stretch: float
     """How many times as long as at rest edges of the target get at most, unless the source is stretched as
     much there; inf for any."""

@@ -57,9 +57,9 @@ options! {
         /// The length below which gradients rule and beyond it displacements: lower suits shapes that are much
         /// alike, inf is gradients alone.
         pub anchor: f64 = 1.0 => above(0.0) at_most(f64::INFINITY) unit("of the target's diagonal"),
-        /// Openings that close on the source, as lids do in a blink, close by the same part of their own height on
-        /// the target, and lids slide around closed convex parts, as eyes are.
-        pub contact: bool = false,
+        /// Openings of another height that close on the source, as lids do in a blink, close by the same part of it on
+        /// the target, and slide around closed convex parts, as eyes are.
+        pub contact: bool = true,
         /// How many times as long as at rest edges of the target get at most, unless the source is stretched as much
         /// there; inf for any.
         pub stretch: f64 = 3.0 => at_least(1.0) at_most(f64::INFINITY),

@@ -90,7 +90,7 @@ impl Marked {
         }
         let kept = |i: usize| tolerance == 0.0 || doubts.markers.iter().all(|d| d.0 != i);
         let trusted: Vec<_> = (0..places.len()).filter(|&i| kept(i)).map(|i| places[i]).collect();
-        let open = markers::left_open(&places);
+        let open = markers::left_open(&trusted);
         let mut lie = if markers.is_some() || open.is_none() {
             warnings.extend(open);
             Lie::of(&trusted, Vec::new(), doubts.scatter)
