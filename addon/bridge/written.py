@@ -56,6 +56,26 @@ class Written:
         edited = corrections.differs(self._offsets(name), self.written(name), largest)
         return "EDITED" if edited else "WRITTEN"
 
+    def knows(self, name):
+        """Whether a transfer has written the key, on the mesh as it is now."""
+        return self.state(name) in ("WRITTEN", "EDITED")
+
+    def strength(self, name):
+        """How many times as strong as transferred the artist wants a key."""
+        return self._row(name).strength if name in self._rows else 1.0
+
+    def strengthen(self, name, strength):
+        """Makes a key so many times as strong as it was transferred; what the artist has added stays."""
+        row, correction = self._row(name), self.correction(name)
+        times = strength / row.strength
+        offsets = times * self.written(name)
+        key = self._keys.key_blocks[name]
+        base = shape_keys.shape(key.relative_key)
+        shape_keys.write(self._obj, name, base + offsets + correction, None, key.relative_key)
+        row.strength, row.offsets = strength, corrections.pack(offsets)
+        if row.transferred:
+            row.transferred = corrections.pack(times * corrections.unpack(row.transferred))
+
     def written(self, name):
         """(n, 3) offsets of a key as they were written."""
         return corrections.unpack(self._row(name).offsets)

@@ -101,7 +101,7 @@ class Corrections:
 
 
 class Writer:
-    """Writes the keys of one object, carries its corrections over and remembers what was written."""
+    """Writes the keys of one object as strong as is wanted, carries its corrections over and remembers."""
 
     def __init__(self, obj, triangles, edited):
         self._obj, self._triangles, self._carries = obj, triangles, edited == "CARRY"
@@ -110,6 +110,7 @@ class Writer:
 
     def write(self, name, base, offsets, settings=None, relative=None):
         """A key of offsets (n, 3) from the shape ``base`` (n, 3); else as bridge.shape_keys.write."""
+        offsets = self._written.strength(name) * offsets
         carries = self._carries and self._written.state(name) == "EDITED"
         correction = 0.0
         if carries:

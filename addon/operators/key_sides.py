@@ -7,13 +7,7 @@ from ..core.mirrors import AXES
 from ..jobs.sides import MirrorAsked, MirrorKeys, SplitAsked, SplitKeys, SumAsked, SumKeys
 from ..properties.transfer_options import exists_property
 from .job import JobRunner, writable_mesh
-from .objects import OBJECT
-
-KEYS = {
-    "name": "Keys",
-    "description": "Names of the shape keys, one a line; empty: the active one",
-    "options": {"SKIP_SAVE"},
-}
+from .objects import KEYS, OBJECT
 
 
 def _axis():

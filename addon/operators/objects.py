@@ -1,4 +1,4 @@
-"""The mesh objects that operators are told by name."""
+"""The mesh objects, and their keys, that operators are told by name."""
 
 from bpy.props import StringProperty
 
@@ -7,6 +7,11 @@ from .job import writable_mesh
 OBJECT = {
     "name": "Object",
     "description": "Name of the mesh object; empty: the active one",
+    "options": {"SKIP_SAVE"},
+}
+KEYS = {
+    "name": "Keys",
+    "description": "Names of the shape keys, one a line; empty: the active one",
     "options": {"SKIP_SAVE"},
 }
 SOURCE = {

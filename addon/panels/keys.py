@@ -42,7 +42,9 @@ def draw_made_keys(layout, settings):
         return
     body = draw_fold(layout, "made_keys", "Keys of the Target")
     if body:
-        draw_sides(body.column(align=True), target)
+        buttons = body.column(align=True)
+        draw_sides(buttons, target)
+        buttons.operator("lissom.key_strength", icon="FORCE_FORCE").object = target.name
         _draw_learning(body, settings, [name for name in made if is_edited(target, name)])
 
 
