@@ -63,7 +63,6 @@ demo: .venv/bpy-5.0/ready
 gallery: .venv/bpy-5.0/ready
 	.venv/bpy-5.0/bin/python demo/gallery.py --out build/gallery
 
-# In this order: the wheel is waited for by most, and tests of the core are compiled beside what runs.
 test: test-native test-blender test-rust
 
 test-rust:
