@@ -50,7 +50,7 @@ class Written:
         """
         if name not in self._rows:
             return "FOREIGN"
-        if self._row(name).topology != self._topology:
+        if not self.knows(name):
             return "UNKNOWN"
         largest = np.abs(shape_keys.shape(self._keys.key_blocks[name])).max(initial=0.0)
         edited = corrections.differs(self._offsets(name), self.written(name), largest)
@@ -58,7 +58,7 @@ class Written:
 
     def knows(self, name):
         """Whether a transfer has written the key, on the mesh as it is now."""
-        return self.state(name) in ("WRITTEN", "EDITED")
+        return name in self._rows and self._row(name).topology == self._topology
 
     def strength(self, name):
         """How many times as strong as transferred the artist wants a key."""

@@ -8,6 +8,7 @@ from lissom import names
 
 from ..core.files import write_json
 from ..core.names import EXISTS_ITEMS
+from ..core.options import argument
 from ..core.refused import Refused
 from ..jobs.face import FaceAsked, FaceKeys
 from . import outputs
@@ -30,7 +31,7 @@ def configure(parser):
     )
     add("--exists", choices=[item[0].lower() for item in EXISTS_ITEMS], default="update")
     add("--edited", choices=("keep", "carry", "overwrite"), default="keep", help="keys edited by hand (keep)")
-    add("--no-contact", action="store_true", help="let lids and lips pass each other")
+    add("--contact", **argument("transfer", "contact"))
     add("--landmarks", help="JSON of landmarks that an outside detector has found on the head")
     add("--kinds", nargs="+", default=[], metavar="KIND=OBJECT", help="what parts are, as EYE=Lamp")
     add("--strength", type=float, default=1.0, help="of all keys (1)")
@@ -51,7 +52,7 @@ def run(arguments):
         names=arguments.names.upper(),
         exists=arguments.exists.upper(),
         edited=arguments.edited.upper(),
-        contact=not arguments.no_contact,
+        contact=arguments.contact,
         strength=arguments.strength,
         landmarks=arguments.landmarks or "",
         kinds="\n".join(told.replace("=", " ", 1) for told in arguments.kinds),

@@ -35,11 +35,11 @@ def strengthen(context, asked):
     """Makes keys so many times as strong as they were transferred; corrections stay. A StrengthDone."""
     obj = checks.mesh_object(asked.object, context)
     checks.require_writable(obj)
-    written, names = Written(obj), list(filter(None, asked.keys.splitlines()))
+    written, active = Written(obj), obj.active_shape_key
     if asked.every:
         names = [name for name in shape_keys.key_names(obj) if written.knows(name)]
-    elif not names and obj.active_shape_key is not None:
-        names = [obj.active_shape_key.name]
+    else:
+        names = list(filter(None, asked.keys.splitlines())) or ([active.name] if active else [])
     keys = [shape_keys.find(obj, name) for name in names]
     foreign = [name for name in names if not written.knows(name)]
     if foreign or not names:

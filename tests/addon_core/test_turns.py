@@ -5,35 +5,26 @@ import pytest
 from lissom import rotation_vectors
 from lissom_addon_core import turns
 from numpy.testing import assert_allclose
+from shapes import rotation
 
-RANDOM = np.random.default_rng(3)
-
-
-def rotation(vector):
-    """Rodrigues's formula."""
-    angle = np.linalg.norm(vector)
-    if angle == 0:
-        return np.eye(3)
-    x, y, z = np.asarray(vector) / angle
-    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k
+X, Z = np.eye(3)[[0, 2]]
 
 
 @pytest.mark.parametrize("whole", [0.4, -3.3, 4 * np.pi, -27.0])
 def test_a_turn_about_one_axis_is_counted(whole):
     axis = np.array([0.6, 0.0, 0.8])
-    path = np.array([rotation(t * whole * axis) for t in np.linspace(0, 1, 200)])
+    path = np.array([rotation(axis, t * whole) for t in np.linspace(0, 1, 200)])
     assert_allclose(turns.along(path), whole * axis, atol=1e-9)
     assert_allclose(turns.explained(path, 2.5 * np.eye(3), path[-1]), whole * axis, atol=1e-9)
 
 
 def test_another_rotation_is_not_explained():
-    path = np.array([rotation([0, 0, t]) for t in np.linspace(0, 7, 50)])
-    assert turns.explained(path, np.eye(3), path[-1] @ rotation([0.2, 0, 0])) is None
+    path = np.array([rotation(Z, t) for t in np.linspace(0, 7, 50)])
+    assert turns.explained(path, np.eye(3), path[-1] @ rotation(X, 0.2)) is None
 
 
 def test_a_mirrored_space_turns_the_other_way():
-    path = np.array([rotation([0, 0, t]) for t in np.linspace(0, 7, 50)])
+    path = np.array([rotation(Z, t) for t in np.linspace(0, 7, 50)])
     mirror = np.diag([-1.0, 1.0, 1.0])
     assert_allclose(turns.explained(path, mirror, mirror @ path[-1] @ mirror), [0, 0, -7], atol=1e-9)
 
@@ -57,7 +48,7 @@ def test_turns_are_counted_from_look_to_look_without_drift():
     for k in range(count + 1):
         t = k / count
         matrix = np.eye(4)
-        matrix[:3, :3] = rotation([0, 0, 20 * t]) @ rotation([0.4 * np.sin(60 * t), 0, 0])  # it wobbles
+        matrix[:3, :3] = rotation(Z, 20 * t) @ rotation(X, 0.4 * np.sin(60 * t))  # it wobbles
         found = tracker.turns(np.array([matrix, np.eye(4)]), [None, None])
     assert np.linalg.norm(found[0] - [0, 0, 20]) < np.pi
     own = rotation_vectors(matrix[:3, :3])
@@ -68,7 +59,7 @@ def test_turns_are_counted_from_look_to_look_without_drift():
 
 def test_less_than_half_a_turn_is_left_to_the_matrix():
     matrix = np.eye(4)
-    matrix[:3, :3] = rotation([3.0, 0, 0])
+    matrix[:3, :3] = rotation(X, 3.0)
     assert turns.Tracker().turns(matrix[None], [None]) is None
     told = turns.Tracker().turns(matrix[None], [np.array([3.0 - 2 * np.pi, 0, 0])])
     assert_allclose(told, [[3.0 - 2 * np.pi, 0, 0]])

@@ -6,25 +6,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from shapes import rotation
 
 SEEDS = st.integers(0, 2**32 - 1)
-
-
-def rodrigues(vector):
-    """Rodrigues's formula."""
-    angle = np.linalg.norm(vector)
-    if angle == 0:
-        return np.eye(3)
-    x, y, z = np.asarray(vector) / angle
-    k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + np.sin(angle) * k + (1 - np.cos(angle)) * k @ k
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-4, 1.0, 3.0, np.pi - 1e-7, np.pi])
 def test_rotation_vectors_invert_the_exponential(angle):
     for axis in np.random.default_rng(3).normal(size=(20, 3)):
         axis /= np.linalg.norm(axis)
-        found = lissom.rotation_vectors(rodrigues(angle * axis))
+        found = lissom.rotation_vectors(rotation(axis, angle))
         sign = np.sign(found @ axis) if angle > 3.1 else 1.0  # half a turn has two
         assert_allclose(sign * found, angle * axis, atol=1e-8)
 
@@ -33,7 +24,7 @@ def test_rotation_vectors_are_told_whole_turns_by_what_is_near():
     axis = np.array([0.6, 0.0, 0.8])
     angles = np.array([[0.4, -3.3], [4 * np.pi + 0.1, -27.0]])
     turns = angles[..., None] * axis
-    rotations = np.array([[rodrigues(turn) for turn in row] for row in turns])
+    rotations = np.array([[rotation(axis, angle) for angle in row] for row in angles])
     assert_allclose(lissom.rotation_vectors(rotations, near=turns + 0.2), turns, atol=1e-9)
     with pytest.raises(ValueError, match="near"):
         lissom.rotation_vectors(rotations, near=turns[0])
