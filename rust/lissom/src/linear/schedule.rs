@@ -11,7 +11,8 @@ use std::ops::Range;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use rayon::prelude::*;
 
-/// The share of all work that one part may have at most: what is above the parts grows with their number, and waits.
+/// One part may have at most this fraction, one over it, of all work: what is above the parts grows with their number,
+/// and waits.
 const PARTS: usize = 6;
 
 /// No slot: a row above the part.

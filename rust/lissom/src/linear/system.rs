@@ -166,11 +166,7 @@ impl ConstrainedSystem {
                 b.iter_mut().zip(lanes(given[vertex as usize])).for_each(|(b, x)| *b += factor * x);
             };
             self.coupling.iter().for_each(|&(slot, vertex, value)| add(slot, -value, vertex));
-            for &(vertex, weight) in self.constraints.soft() {
-                if let Some(slot) = self.constraints.slot(vertex) {
-                    add(slot, weight, vertex);
-                }
-            }
+            self.pulls().for_each(|(slot, vertex, weight)| add(slot, weight, vertex));
         };
         let Some((solved, places)) = self.factor.solve_lanes(of, add) else { return false };
         for (&v, &place) in free.iter().zip(places) {
@@ -274,11 +270,15 @@ impl ConstrainedSystem {
         if let Some(correction) = &self.correction {
             correction.reduce(column, &given);
         }
-        for &(vertex, weight) in self.constraints.soft() {
-            if let Some(slot) = self.constraints.slot(vertex) {
-                column[slot as usize] += weight * given(vertex as usize);
-            }
+        for (slot, vertex, weight) in self.pulls() {
+            column[slot as usize] += weight * given(vertex as usize);
         }
+    }
+
+    /// Soft constraints of free vertices: the row, the vertex and the weight.
+    fn pulls(&self) -> impl Iterator<Item = (u32, u32, f64)> {
+        let row = |&(vertex, weight): &(u32, f64)| Some((self.constraints.slot(vertex)?, vertex, weight));
+        self.constraints.soft().iter().filter_map(row)
     }
 }
 

@@ -9,15 +9,16 @@ use rayon::prelude::*;
 
 use crate::{Error, Fault, Mesh, Result, Vec3};
 
-/// What a fit said: (n,) fitted vertices and their distances, (m,) the stretch of the input's triangles.
+/// What a fit said.
 pub struct Fitted {
     /// Where each source vertex came to lie, in the target's units.
     pub vertices: Vec<Vec3>,
     /// How far from the target that is, NaN where nothing faces it.
     pub distances: Vec<f64>,
-    /// How much each source triangle was stretched, at least 1.
+    /// How much each triangle of the source's input was stretched, at least 1.
     pub stretch: Vec<f64>,
 }
+
 /// Source vertex and target vertex of the marker to add next to `markers`, `None` where every vertex is marked.
 /// Vertices of the two `masks` are none that are proposed.
 ///
