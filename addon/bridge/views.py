@@ -4,10 +4,11 @@ from itertools import pairwise
 
 import bpy
 import numpy as np
-from mathutils import Matrix, Vector
+from mathutils import Matrix
 
 from ..core.framing import framed, free_span, upright
 from ..core.refused import Refused
+from .meshes import positions
 
 SENSOR = 72.0  # millimetres: what a view shows at a distance of its lens; Blender doubles the 36 of a camera
 
@@ -105,17 +106,22 @@ def frame(addresses):
     for window, area in filter(None, map(of_address, addresses)):
         space = area.spaces.active
         if space.local_view is not None:
-            shown = (obj for obj in window.view_layer.objects if obj.type == "MESH")
-            look_at(area, box([obj for obj in shown if obj.visible_get(viewport=space)]))
+            window.view_layer.update()
+            meshes = (obj for obj in window.view_layer.objects if obj.type == "MESH")
+            shown = [places(obj) for obj in meshes if obj.visible_get(viewport=space)]
+            if any(map(len, shown)):
+                look_at(area, np.concatenate(shown))
 
 
-def box(objects):
-    """(8 k, 3): the corners of the boxes around objects, in the world."""
-    return np.array([obj.matrix_world @ Vector(corner) for obj in objects for corner in obj.bound_box])
+def places(obj):
+    """(n, 3): where the vertices of a mesh object are seen, in the world."""
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    matrix = np.array(evaluated.matrix_world)
+    return positions(evaluated.data.vertices) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
-def look_at(area, corners, towards=None):
-    """Has a view show places (k, 3) of the world where nothing covers it.
+def look_at(area, points, towards=None):
+    """Has a view show points (k, 3) of the world where nothing covers it.
 
     ``towards`` (3,) is the way it looks, by default as it does.
     """
@@ -128,15 +134,15 @@ def look_at(area, corners, towards=None):
         if bar.width > 1
     ]
     size = region.width, region.height
-    across = SENSOR / area.spaces.active.lens * data.view_distance  # of the longer side of the region
-    data.view_location, factor = framed(
-        corners,
+    across = SENSOR / area.spaces.active.lens  # of the longer side of the region, at a distance of 1
+    data.view_location, data.view_distance = framed(
+        points,
         np.array(data.view_rotation.to_matrix()),
         size,
         free_span(region.width, covering),
         across / max(size),
+        data.is_perspective,
     )
-    data.view_distance *= factor
 
 
 def swap(address, leaving, coming):

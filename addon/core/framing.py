@@ -2,7 +2,7 @@
 
 import numpy as np
 
-MARGIN = 1.15  # so much wider than the object
+MARGIN = 1.15  # so much wider than what is shown
 
 
 def free_span(width, covering):
@@ -16,18 +16,26 @@ def free_span(width, covering):
     return (low, high) if low < high else (0, width)
 
 
-def framed(corners, turn, size, free, pixel):
-    """(location (3,), factor of the distance) that show a box of corners (k, 3) within the free span.
+def framed(points, turn, size, free, pixel, perspective=True):
+    """(location (3,), distance) of a view that shows points (k, 3) within the free span, as near as it can.
 
     ``turn`` (3, 3) has the view's right, up and backward directions as columns, ``size`` the view's
-    (width, height) in pixels, and ``pixel`` is how wide one is at the present distance.
+    (width, height) in pixels, and ``pixel`` is how wide one is at a distance of 1. In perspective what is
+    nearer looks larger, and may be seen outside of what holds it at its middle.
     """
-    flat = np.asarray(corners) @ turn
-    low, high = flat.min(axis=0), flat.max(axis=0)
-    room = free[1] - free[0], size[1]
-    factor = MARGIN * max(np.divide((high - low)[:2], room)) / pixel
-    aside = (sum(free) - size[0]) / 2 * pixel * factor
-    return turn @ ((low + high) / 2 - (aside, 0, 0)), factor
+    *flat, depth = (np.asarray(points) @ turn).T
+    middle = (depth.min() + depth.max()) / 2
+    if not perspective:
+        depth = np.full_like(depth, middle)
+    bounds = []
+    for along, whole, (low, high) in zip(flat, size, (free, (0, size[1])), strict=True):
+        centre, half = (low + high) / 2 - whole / 2, (high - low) / 2 / MARGIN
+        left, right = pixel * (half - centre), pixel * (half + centre)
+        # An eye at (place, height) sees a point where -left <= (along - place) / (height - depth) <= right.
+        bounds.append((left, right, (left * depth - along).max(), (right * depth + along).max()))
+    eye = max((least + most) / (left + right) for left, right, least, most in bounds)
+    place = [(left * eye - least + most - right * eye) / 2 for left, right, least, most in bounds]
+    return turn @ (*place, middle), eye - middle
 
 
 def upright(towards):

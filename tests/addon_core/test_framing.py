@@ -12,19 +12,25 @@ def test_bars_at_either_edge_are_left_out_and_those_beside_the_view_are_not_miss
     assert framing.free_span(300, [(100, 300), (0, 120)]) == (0, 300)  # nothing is free
 
 
+@pytest.mark.parametrize("perspective", [True, False])
 @pytest.mark.parametrize("seed", range(8))
-def test_a_box_fills_the_free_pixels_and_lies_in_their_middle(seed):
+def test_points_fill_the_free_pixels_and_lie_in_their_middle(seed, perspective):
     rng = np.random.default_rng(seed)
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     turn[:, 2] *= np.linalg.det(turn)
-    corners = 5 * rng.normal(size=3) + rng.normal(size=(8, 3))
-    size, free, pixel = (800, 600), (58, 500), rng.uniform(0.001, 0.1)
-    location, factor = framing.framed(corners, turn, size, free, pixel)
-    seen = (corners - location) @ turn[:, :2] / (pixel * factor) + np.divide(size, 2)
+    points = 5 * rng.normal(size=3) + rng.normal(size=(20, 3))
+    size, free, pixel = (800, 600), (58, 500), rng.uniform(2e-4, 2e-3)
+    location, distance = framing.framed(points, turn, size, free, pixel, perspective)
+    own = (points - location) @ turn
+    away = distance - own[:, 2:] if perspective else distance
+    assert np.all(np.asarray(away) > 0)
+    seen = own[:, :2] / (pixel * away) + np.divide(size, 2)
     low, high = seen.min(axis=0), seen.max(axis=0)
-    np.testing.assert_allclose((low + high) / 2, [np.mean(free), size[1] / 2])
-    filled = (high - low) / (free[1] - free[0], size[1])
-    np.testing.assert_allclose(filled.max(), 1 / framing.MARGIN)
+    middle, room = np.array([np.mean(free), size[1] / 2]), np.array([free[1] - free[0], size[1]])
+    filled = np.maximum(high - middle, middle - low) / (room / 2) * framing.MARGIN
+    np.testing.assert_allclose(filled.max(), 1)
+    tight = filled.argmax()
+    np.testing.assert_allclose((low + high)[tight] / 2, middle[tight])
 
 
 @pytest.mark.parametrize("seed", range(8))
