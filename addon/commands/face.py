@@ -10,11 +10,12 @@ from ..core.files import write_json
 from ..core.names import EXISTS_ITEMS
 from ..core.options import argument
 from ..core.refused import Refused
+from ..jobs.brought import mesh_objects
 from ..jobs.face import FaceAsked, FaceKeys
-from . import outputs
+from . import outputs, strengths
 
 SUMMARY = "give a head the shape keys of a whole face, found by its shape alone"
-DONE, BAD_INPUT = 0, 2
+BAD_INPUT = 2
 
 
 def configure(parser):
@@ -35,6 +36,7 @@ def configure(parser):
     add("--landmarks", help="JSON of landmarks that an outside detector has found on the head")
     add("--kinds", nargs="+", default=[], metavar="KIND=OBJECT", help="what parts are, as EYE=Lamp")
     add("--strength", type=float, default=1.0, help="of all keys (1)")
+    strengths.configure(add)
     add("--out", required=True, help="the .blend file to write")
     add("--report", help="also write what was done as JSON")
 
@@ -45,6 +47,7 @@ def run(arguments):
     outputs.check(arguments, ("file", "landmarks"), ("out", "report"))
     if not 0 <= arguments.strength <= 10:
         raise Refused("--strength: choose a number from 0 to 10")
+    wanted = strengths.read(arguments)
     outputs.open_file(arguments.file)
     asked = FaceAsked(
         target=arguments.target,
@@ -59,12 +62,16 @@ def run(arguments):
     )
     job = FaceKeys(bpy.context, asked)
     done = job.write(bpy.context, job.work.wait())
+    errors = []
     if not done.stopped:
+        objects = mesh_objects(bpy.context, [arguments.target, *arguments.parts])
+        errors = strengths.apply(bpy.context, wanted, objects)
         outputs.save(arguments.out)
     if arguments.report:
-        write_json(arguments.report, asdict(done) | {"seconds": round(time.perf_counter() - started, 3)})
+        seconds = round(time.perf_counter() - started, 3)
+        write_json(arguments.report, asdict(done) | {"errors": errors, "seconds": seconds})
     if done.stopped:
         print(f"Error: {done.summary}")
         return BAD_INPUT
     outputs.say(done)
-    return DONE
+    return outputs.say_errors(errors)

@@ -8,6 +8,8 @@ import bpy
 
 from ..core.refused import Refused
 
+DONE, PARTLY_DONE = 0, 3
+
 
 def check(arguments, reads, writes):
     """Refused where a file to read is missing, or where one to write would take the place of something else.
@@ -58,6 +60,13 @@ def say_warnings(warnings):
     """Prints them, one a line."""
     for warning in warnings:
         print(f"Warning: {warning}")
+
+
+def say_errors(errors):
+    """Prints them, one a line; returns the exit code."""
+    for error in errors:
+        print(f"Error: {error}")
+    return PARTLY_DONE if errors else DONE
 
 
 def say_quality(rows):

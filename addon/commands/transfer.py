@@ -14,10 +14,9 @@ from ..jobs.brought import Brought, mesh_objects
 from ..jobs.fit import key_names
 from ..jobs.transfer_keys import KeysAsked, TransferKeys
 from ..jobs.transfer_pose import AnimationAsked, PoseAsked, TransferAnimation, TransferPose
-from . import outputs
+from . import outputs, strengths
 
 SUMMARY = "carry shape keys, a pose or animation of one mesh over to another of different topology"
-DONE, PARTLY_DONE = 0, 3
 MAX_FRAME = 1_048_574
 
 
@@ -54,6 +53,7 @@ def configure(parser):
     add("--drivers", choices=("rewire", "keep", "none"), default="rewire", help="what becomes of drivers")
     add("--contact", **argument("transfer", "contact"))
     add("--stretch", **argument("transfer", "stretch"))
+    strengths.configure(add)
     add("--drop-empty", action="store_true", help="leave out keys that do not move the target")
     add("--tightness", **argument("fit", "closest"))
     add("--marker-tolerance", **argument("fit", "marker_tolerance"))
@@ -68,6 +68,7 @@ def run(arguments):
     """Reads, transfers, writes; returns the exit code."""
     started = time.perf_counter()
     _check(arguments)
+    wanted = strengths.read(arguments)
     outputs.open_file(arguments.file)
     arguments.target = list(dict.fromkeys(arguments.target))
     targets = mesh_objects(bpy.context, arguments.target)
@@ -80,14 +81,13 @@ def run(arguments):
     report |= {"fit": done.fit.fit.report, "doubtful_markers": done.doubtful_markers}
     report["seconds"] = round(time.perf_counter() - started, 3)
     report["errors"] += brought.send_back(targets)
+    report["errors"] += strengths.apply(bpy.context, wanted, targets)
     outputs.save(arguments.out)
     if arguments.report:
         write_json(arguments.report, report)
-    for error in report["errors"]:
-        print(f"Error: {error}")
     outputs.say_quality(report.get("quality", ()))
     print(f"{_done(report)} on {', '.join(repr(target.name) for target in targets)}")
-    return PARTLY_DONE if report["errors"] else DONE
+    return outputs.say_errors(report["errors"])
 
 
 def _common(arguments, sources):

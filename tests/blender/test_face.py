@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 from bl_ext.user_default.lissom import commands
+from bl_ext.user_default.lissom.bridge.written import Written
 from bl_ext.user_default.lissom.core.face_lids import Lids
 from bl_ext.user_default.lissom.jobs.face import FaceAsked, FaceKeys
 from lissom import data, names
@@ -191,6 +192,8 @@ def test_the_command_writes_keys_and_a_report(tmp_path):
         "Head",
         "--names",
         "visemes",
+        "--strengths",
+        "viseme_aa=0.5",
         "--out",
         out,
         "--report",
@@ -201,5 +204,7 @@ def test_the_command_writes_keys_and_a_report(tmp_path):
         told = json.load(file)
     assert told["written"]["Head"] == list(names.TABLES["VISEMES"]) and told["report"]["certainty"] > 0.9
     bpy.ops.wm.open_mainfile(filepath=out)
-    assert bpy.data.objects["Head"].data.shape_keys.key_blocks.keys()[1:] == told["written"]["Head"]
+    head = bpy.data.objects["Head"]
+    assert head.data.shape_keys.key_blocks.keys()[1:] == told["written"]["Head"] and told["errors"] == []
+    assert [Written(head).strength(name) for name in ("viseme_aa", "viseme_O")] == [0.5, 1.0]
     assert commands.main([*words[:4], "Nobody", *words[5:]]) == 2

@@ -8,7 +8,7 @@ import scene
 from bl_ext.user_default.lissom import commands
 from bl_ext.user_default.lissom.core.marker_file import save
 from bl_ext.user_default.lissom.core.markers import Marker
-from numpy.testing import assert_array_equal
+from numpy.testing import assert_allclose, assert_array_equal
 from test_transfer import deltas, monkeys
 
 
@@ -129,3 +129,27 @@ def test_a_word_that_is_none(capfd):
     assert commands.main(["transfer", "--file", "a.blend"]) == 2
     assert "required" in capfd.readouterr().err
     assert scene.snapshot()["scene"] == []
+
+
+def test_single_keys_may_be_stronger_and_stay_so(files, capsys):
+    folder, expected = files
+    out, again = folder / "out.blend", folder / "again.blend"
+    asked = ("--file", folder / "both.blend", "--markers", folder / "markers.json")
+    assert command(*asked, "--strengths", "squash=0.5", "tail=2", "--out", out) == 3
+    assert "no object has a shape key named 'tail'" in capsys.readouterr().out
+    assert command("--file", out, "--markers", folder / "markers.json", "--out", again) == 0
+    for path in (out, again):
+        bpy.ops.wm.open_mainfile(filepath=str(path))
+        target = bpy.data.objects["Target"]
+        assert_allclose(deltas(target, "squash"), 0.5 * expected["squash"], atol=1e-6)
+        assert_array_equal(deltas(target, "ears"), expected["ears"])
+
+
+@pytest.mark.parametrize(
+    "told", ["squash", "squash=", "squash=much", "=1", "squash=0", "squash=11", "squash=nan"]
+)
+def test_strengths_that_are_none_are_refused_before_anything_is_done(files, told, capsys):
+    folder, _ = files
+    out = folder / "out.blend"
+    assert command("--file", folder / "both.blend", "--strengths", told, "--out", out) == 2
+    assert f"'{told}'" in capsys.readouterr().out and not out.exists()
