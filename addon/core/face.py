@@ -59,7 +59,7 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
             for (vertices, triangles), given in zip(parts, kinds_told[1:], strict=True)
         ]
         balls = [ball for piece in pieces for ball in face_parts.balls(*piece)]
-        located = yield from locate_steps(face, (target, *head, balls), marks)
+        located = yield from locate_steps(face, (target, *head, parts, balls), marks)
         if isinstance(located, Unsure):
             return located
         fit = located.fit

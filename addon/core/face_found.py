@@ -11,7 +11,7 @@ from typing import NamedTuple
 import lissom
 import numpy as np
 
-from . import face_parts, face_rims
+from . import face_parts, face_rims, topology
 from .face_parts import Frame
 from .landmarks import FACE, mirrored
 from .transfer import fit_steps
@@ -72,14 +72,13 @@ def _middles(curves):
 
 
 def locate_steps(face, head, marks=None):
-    """Located or Unsure, as steps of a Work; ``head`` is (lissom.Mesh, vertices, triangles, eyeballs).
+    """Located or Unsure, as steps of a Work; ``head`` is (lissom.Mesh, vertices, triangles, parts, eyeballs).
 
-    ``face`` is of lissom.data, ``eyeballs`` are (centre, radius), and ``marks``, Marks, are followed.
+    ``face`` is of lissom.data, ``parts`` are (vertices, triangles), ``eyeballs`` (centre, radius), and
+    ``marks``, Marks, are followed.
     """
-    mesh, vertices, triangles, balls = head
+    mesh, vertices, triangles, parts, balls = head
     source = lissom.Mesh(face.neutral, face.triangles)
-    body = face_parts.parts(len(vertices), triangles)[0]
-    found = face_rims.openings(vertices, triangles[np.isin(triangles[:, 0], body)])
     located = None
     if marks is None:
         try:
@@ -90,6 +89,8 @@ def locate_steps(face, head, marks=None):
         located = fit and _judged(face, fit, vertices, {}, "SHAPE")
         if located and located.certainty >= LEAST:
             return located
+    found = _openings(vertices, triangles, parts)
+    if marks is None:
         own = face_rims.of_face(found, balls)
         if own is None:
             return _unsure(face, located)
@@ -116,6 +117,15 @@ def locate_steps(face, head, marks=None):
     )
     located = _judged(face, fit, vertices, rims, by)
     return located if located.certainty >= LEAST else _unsure(face, located)
+
+
+def _openings(vertices, triangles, parts):
+    """The face_rims.Openings of a head; eyes and teeth hide what is behind them."""
+    of_body = np.isin(triangles[:, 0], face_parts.parts(len(vertices), triangles)[0])
+    body = face_rims.filled(triangles[of_body])
+    whole = np.concatenate([body, triangles[~of_body]])
+    linings = lissom.Mesh(*topology.joined([(vertices, whole), *parts])).linings()
+    return face_rims.openings(vertices, body, np.isin(np.arange(len(body)), linings))
 
 
 def _in_openings(marks, own, found):

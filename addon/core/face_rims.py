@@ -1,12 +1,14 @@
 """The rims of lids and lips, found on a mesh itself: loops of edges round the openings of eyes and mouth.
 
-An opening is a border of the mesh. Behind the edge of a lid, artists turn its skin inward, so that the
-border is not what one sees: of it and the loops beside it the rim is the one that leaves the smallest
-opening from the front, and of those that leave much the same the one in front.
+An opening is a border of the mesh, or of what one sees of it, where a bag or a socket closes it behind.
+Behind the edge of a lid, artists turn its skin inward, so that the border is not what one sees: of it and
+the loops beside it the rim is the one that leaves the smallest opening from the front, and of those that
+leave much the same the one in front.
 """
 
 from typing import NamedTuple
 
+import lissom
 import numpy as np
 
 from . import topology
@@ -21,7 +23,7 @@ LEVEL = 0.25  # of the distance of the eyes: one eye is no higher than the other
 
 class Opening(NamedTuple):
     """A border of the mesh: the loop of its rim, ending with its first, its middle, and its extent (3,);
-    ``behind``, the vertices between the rim and the border.
+    ``behind``, the vertices between the rim and the border, and of the lining from there on.
     """
 
     loop: np.ndarray
@@ -30,30 +32,67 @@ class Opening(NamedTuple):
     behind: np.ndarray
 
 
-def openings(vertices, triangles):
-    """The Openings of a mesh that looks along -y, the shortest border first."""
-    edges, times = topology.edges(triangles)
-    beside = {}
-    for a, b in edges.tolist():
-        beside.setdefault(a, set()).add(b)
-        beside.setdefault(b, set()).add(a)
-    border = {}
-    for a, b in edges[times == 1].tolist():
-        border.setdefault(a, set()).add(b)
-        border.setdefault(b, set()).add(a)
-    found, left = [], set(border)
-    while left:
-        ring, grown = set(), {left.pop()}
-        while grown:
-            ring |= grown
-            grown = {v for b in grown for v in border[b]} - ring
-        left -= ring
-        rim, behind = _rim(vertices, ring, beside)
-        if rim is not None:
+def filled(triangles):
+    """``triangles`` and those that close its gaps: borders that are too short for a rim."""
+    fans = [
+        np.column_stack([np.full(len(loop) - 3, loop[0]), loop[1:-2], loop[2:-1]])
+        for loop in _loops(triangles)
+        if len(loop) <= LEAST
+    ]
+    return np.concatenate([triangles, *fans])
+
+
+def openings(vertices, triangles, lines):
+    """The Openings of a mesh that looks along -y, the shortest border first.
+
+    ``lines`` (m,) tells of the triangles whether they line a pocket: what one sees ends where these begin.
+    """
+    pockets = lissom.components(len(vertices), triangles[lines])
+    for loop in _loops(triangles):
+        pockets[np.isin(pockets, np.setdiff1d(pockets[loop], -1))] = -1
+    seen = triangles[~(lines & (pockets[triangles] >= 0).all(axis=1))]
+    beside = _neighbours(topology.edges(seen)[0])
+    found = []
+    for loop in _loops(seen):
+        pocket = np.setdiff1d(pockets[loop], -1)
+        rim, behind = (loop, loop[:0]) if len(pocket) else _rim(vertices, set(loop.tolist()), beside)
+        if rim is not None and len(rim) > LEAST:
             points = vertices[rim]
             middle = (points.min(axis=0) + points.max(axis=0)) / 2
+            behind = np.setdiff1d(np.union1d(behind, np.flatnonzero(np.isin(pockets, pocket))), rim)
             found.append(Opening(rim, middle, np.ptp(points, axis=0), behind))
     return sorted(found, key=lambda opening: len(opening.loop))
+
+
+def _neighbours(edges):
+    """{vertex: the set of those that edges (k, 2) join it to}."""
+    found = {}
+    for a, b in edges.tolist():
+        found.setdefault(a, set()).add(b)
+        found.setdefault(b, set()).add(a)
+    return found
+
+
+def _loops(triangles):
+    """The loops at which a surface ends, each ending with its first vertex; two that touch at one are two."""
+    edges, times = topology.edges(triangles)
+    left, found = _neighbours(edges[times == 1]), []
+    while left:
+        path = [min(left)]
+        while path and path[-1] in left:
+            v = path[-1]
+            ahead = min(left[v])
+            for one, other in ((v, ahead), (ahead, v)):
+                left[one].remove(other)
+                if not left[one]:
+                    del left[one]
+            if ahead in path:
+                start = path.index(ahead)
+                found.append(np.array([*path[start:], ahead]))
+                del path[start + 1 :]
+            else:
+                path.append(ahead)
+    return found
 
 
 def _rim(vertices, ring, beside):
@@ -78,7 +117,7 @@ def _rim(vertices, ring, beside):
 
 
 def _ordered(ring, beside):
-    """The loop of edges that these vertices form, ending with its first, or None."""
+    """The loop that these vertices form by the edges ``beside``, ending with its first, or None."""
     if any(len(beside[v] & ring) != 2 for v in ring):
         return None
     path = [min(ring)]
@@ -116,7 +155,7 @@ def of_face(found, balls):
     or None.
 
     The eyes are two openings of a size, at a height and with an eyeball (centre, radius) behind each; the
-    mouth is the only opening below the eyes and between them.
+    mouth is the widest opening below the eyes and between them, where nostrils are too.
     """
     eyes = [
         (one, ball)
@@ -141,4 +180,5 @@ def of_face(found, balls):
         and one.extent[2] < one.extent[0]
         and abs(one.middle[1] - between[1]) < 1.5 * apart
     ]
-    return np.array([left.middle, right.middle, below[0].middle]) if len(below) == 1 else None
+    mouth = max(below, key=lambda one: one.extent[0], default=None)
+    return None if mouth is None else np.array([left.middle, right.middle, mouth.middle])

@@ -9,6 +9,7 @@ from lissom import nearest_rotations, rotation_vectors
 from . import stays
 from .mirrors import NONE
 from .refused import Refused, first
+from .topology import joined
 from .turns import UNTURNED
 from .work import Work
 
@@ -67,13 +68,6 @@ class Company(NamedTuple):
 
 
 ALONE = Company()
-
-
-def joined(meshes):
-    """One mesh of several."""
-    starts = np.cumsum([0] + [len(vertices) for vertices, _ in meshes])
-    triangles = [faces + start for (_, faces), start in zip(meshes, starts, strict=False)]
-    return np.concatenate([vertices for vertices, _ in meshes]), np.concatenate(triangles)
 
 
 def bind_work(vertices, triangles, corners, handles, weights, roi, asked, mirrors=NONE, company=ALONE):

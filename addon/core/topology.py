@@ -18,3 +18,10 @@ def edges(triangles):
     """(m, 2): the edges of (t, 3) triangles, each once, and (m,) how many triangles have it."""
     sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     return np.unique(sides, axis=0, return_counts=True)
+
+
+def joined(meshes):
+    """One mesh of several."""
+    starts = np.cumsum([0] + [len(vertices) for vertices, _ in meshes])
+    triangles = [faces + start for (_, faces), start in zip(meshes, starts, strict=False)]
+    return np.concatenate([vertices for vertices, _ in meshes]), np.concatenate(triangles)

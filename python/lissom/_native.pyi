@@ -118,6 +118,13 @@ class Mesh:
         between two of the vertices that are `held`, (h,) indices, keep their length. Raises InvalidValue for
         a limit below 1, InvalidConstraint for indices out of range.
         """
+    def linings(self) -> NDArray[np.int64]:
+        """(k,): the input triangles that line a pocket, as mouth bags and eye sockets do.
+
+        These are the ones that nothing outside can see (ambient occlusion: Zhukov et al. 1998), and what is
+        behind the shortest loops of edges that part them from what one sees (a minimum cut). As a mask of a
+        fit they keep a lining from being matched with what is none.
+        """
 
 @final
 class Pose:

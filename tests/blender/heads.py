@@ -205,6 +205,52 @@ def _turned_in(vertices, triangles, loop, wider, depth):
     return np.concatenate([vertices, inner]), np.concatenate([triangles, quads])
 
 
+# Rings of a bag behind the mouth and of a socket behind an eye: how wide, how much higher, of half the width,
+# how deep, of half the width of the mouth or of the eyeball's radius.
+BAG = (1.15, 0.25, 0.25), (1.2, 0.3, 0.6), (0.8, 0.2, 0.95), (0.4, 0.1, 1.1)
+SOCKET = (1.2, 0.0, 0.3), (1.2, 0.0, 0.8), (0.9, 0.0, 1.3), (0.4, 0.0, 1.6)
+
+
+def closed(head, mouth=True, eyes=True):
+    """The Head without borders there: a bag behind the mouth, sockets behind the eyes, as most artists have
+    them.
+    """
+    loops = [*head.lids, head.lips]
+    first = len(head.vertices) - sum(map(len, loops))
+    vertices, triangles = head.vertices, head.triangles
+    for loop, wanted, deep in zip(loops, (eyes, eyes, mouth), (*head.balls, None), strict=True):
+        ring, first = first + np.arange(len(loop)), first + len(loop)
+        if not wanted:
+            continue
+        middle = vertices[ring].mean(axis=0)
+        own = vertices[ring] - middle
+        half = np.abs(own[:, 0]).max()
+        bulge = np.sign(own[:, 2]) * half * np.sqrt(np.maximum(0, 1 - (own[:, 0] / half) ** 2))
+        ahead = np.roll(np.arange(len(ring)), -1)
+        x, z = own[:, [0, 2]].T
+        turn = -1 if (x * np.roll(z, -1) - z * np.roll(x, -1)).sum() < 0 else 1
+        for wide, high, back in SOCKET if deep else BAG:
+            new = middle + wide * own
+            new[:, 1] = middle[1] + back * (deep[1] if deep else half)
+            new[:, 2] += high * bulge
+            now = len(vertices) + np.arange(len(ring))
+            quads = [
+                np.column_stack([ring, ring[ahead], now[ahead]]),
+                np.column_stack([ring, now[ahead], now]),
+            ]
+            vertices = np.concatenate([vertices, new])
+            triangles = np.concatenate([triangles, *(quad[:, ::turn] for quad in quads)])
+            ring = now
+        fan = np.column_stack([ring, ring[ahead], np.full(len(ring), len(vertices))])
+        vertices = np.concatenate([vertices, vertices[ring].mean(axis=0)[None]])
+        triangles = np.concatenate([triangles, fan[:, ::turn]])
+    new = np.arange(len(head.vertices), len(vertices))
+    image = vertices[new] * [-1, 1, 1]
+    away = np.linalg.norm(image[:, None] - vertices[new], axis=2)
+    twins = np.concatenate([head.twins, new[away.argmin(axis=1)] if len(new) else new])
+    return head._replace(vertices=vertices, triangles=triangles, twins=twins)
+
+
 def _mirrored(flat, triangles):
     """Both halves: points, triangles, and each point's twin."""
     other = np.arange(len(flat))

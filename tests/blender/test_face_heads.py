@@ -61,6 +61,26 @@ def test_a_mask_gets_keys_without_a_click_and_its_lids_close(mask):
         assert long.max() < 3, name
 
 
+@pytest.mark.parametrize("name", heads.SHAPES)
+def test_a_bag_behind_the_mouth_and_sockets_behind_the_eyes_hide_no_opening(name):
+    """Most artists close what is behind lips and lids, so that nothing there is a border."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    head = heads.closed(heads.made(name))
+    obj = made("Head", head.vertices, head.triangles)
+    for side, eye in zip(("Left", "Right"), head.eyes, strict=True):
+        made(side, *eye)
+    job = FaceKeys(bpy.context, FaceAsked(target="Head", parts="Left\nRight"))
+    done = job.write(bpy.context, job.work.wait())
+    assert not done.stopped and done.sure > 0.75
+    blink = head.vertices + delta(obj, "eyeBlinkLeft") + delta(obj, "eyeBlinkRight")
+    for side in (0, 1):
+        assert heads.seen(head, blink, side) <= 0.02 * heads.seen(head, head.vertices, side)
+    before, after = (
+        np.ptp(points[head.lips], axis=0) for points in (head.vertices, head.vertices + delta(obj, "jawOpen"))
+    )
+    assert after[2] > 2 * before[2] and abs(after[0] / before[0] - 1) < 0.2
+
+
 def test_without_a_clue_it_asks_and_goes_on_with_what_was_clicked(mask):
     head, obj = mask
     corners = [[0.05, -0.5, -0.5], [-0.05, -0.5, -0.5], [0, -0.4, -0.5], [0, -0.45, -0.55]]

@@ -3,6 +3,7 @@
 import lissom
 import numpy as np
 import pytest
+from lissom import data
 from shapes import tube
 
 
@@ -79,3 +80,27 @@ def test_edges_are_brought_within_a_limit_and_the_rest_stays():
         mesh.limit_stretch([torn], held=[48])
     with pytest.raises(lissom.Error, match="limit: must be at least 1"):
         mesh.limit_stretch([torn], 0.5)
+
+
+def test_linings_of_a_face_are_its_mouth_bag_and_sockets_and_what_lies_inside_of_lips_and_nostrils():
+    parts = ("face", "head_and_neck", "mouth_socket", "eye_sockets", "eyeball_left", "eyeball_right")
+    face = data.face().only(*parts)
+    lines = np.isin(np.arange(len(face.triangles)), lissom.Mesh(face.neutral, face.triangles).linings())
+    share = {name: lines[np.isin(face.triangles, face.regions[name]).all(axis=1)].mean() for name in parts}
+    assert share["mouth_socket"] > 0.99 and share["eye_sockets"] > 0.99
+    assert share["head_and_neck"] == 0 and share["face"] < 0.15
+    assert np.isin(face.landmarks, face.triangles[~lines]).sum() >= 66
+
+
+def test_linings_do_not_depend_on_how_a_mesh_lies_is_wound_or_how_large_it_is():
+    face = data.face().only("face", "head_and_neck", "mouth_socket", "eye_sockets")
+    found = lissom.Mesh(face.neutral, face.triangles).linings()
+    assert 100 < len(found) < 0.4 * len(face.triangles)
+    again = lissom.Mesh(1e-3 * face.neutral + 5.0, face.triangles[:, ::-1]).linings()
+    assert len(np.setxor1d(found, again)) <= 0.01 * len(found)
+
+
+def test_nothing_lines_a_pocket_where_all_is_seen():
+    corners = np.concatenate([np.zeros((1, 3)), np.eye(3)])
+    found = lissom.Mesh(corners, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]).linings()
+    assert found.shape == (0,) and found.dtype == np.int64

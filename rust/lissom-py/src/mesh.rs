@@ -97,6 +97,14 @@ impl PyMesh {
         PyJob::start(work, move |py, found| arrays::from_poses(py, &found, n))?.result(py)
     }
 
+    /// (k,) int64: the input triangles that line a pocket, as mouth bags and eye sockets do.
+    fn linings(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let mesh = self.0.clone();
+        let integers =
+            |py: Python<'_>, found: Vec<u32>| Ok(arrays::from_integers(py, found.into_iter().map(i64::from)));
+        PyJob::start(move |_: &Job| Ok(mesh.linings()), integers)?.result(py)
+    }
+
     /// list of str: what was mended or is doubtful.
     #[getter]
     fn warnings(&self) -> &[String] {

@@ -9,11 +9,15 @@
 //! | [`polyline`] | paths and loops by arc length |
 //! | [`plane`] | mirror images and twins |
 //! | [`surface`], [`tree`], [`ray`] | closest points, barycentric coordinates, exits of rays; and how they are found |
+//! | [`exposure`] | how much of the space in front of a surface is open |
+//! | [`cut`] | the cheapest cut of a graph |
 //! | [`boxes`] | which of many a point is near |
 //! | [`solid`], [`bodies`] | inside and outside; how deep |
 
 pub mod bodies;
 pub mod boxes;
+pub mod cut;
+pub mod exposure;
 pub mod frame;
 pub mod groups;
 pub mod plane;

@@ -3,6 +3,7 @@
 mod adjacency;
 mod components;
 mod distance;
+mod linings;
 mod orientation;
 pub(crate) mod validate;
 mod weld;
