@@ -24,7 +24,7 @@ const LEAST_CURVATURE: f64 = 1e-10;
 pub(super) struct Lbfgs {
     /// Oldest first.
     steps: Vec<CurvaturePair>,
-    last: Option<Last>,
+    last: Option<Heading>,
 }
 
 #[derive(Debug)]
@@ -37,27 +37,46 @@ struct CurvaturePair {
     curvature: f64,
 }
 
-/// Where the last direction began, and the direction.
+/// Where a direction begins, and the direction.
 #[derive(Debug)]
-struct Last {
-    gradient: Vec<Vec3>,
+pub(super) struct Heading {
+    pub gradient: Vec<Vec3>,
     preconditioned: Vec<Vec3>,
-    direction: Vec<Vec3>,
+    pub direction: Vec<Vec3>,
 }
 
 impl Lbfgs {
-    /// The direction of descent at a point of the given gradient, where `preconditioned` is `K^-1` of it. Learns
-    /// from the step that led there: `length` times the last direction.
-    pub fn direction(&mut self, gradient: &[Vec3], preconditioned: &[Vec3], length: f64) -> Vec<Vec3> {
+    /// The direction of descent at a point of the given gradient and `K^-1` of it. Learns from the step that led there:
+    /// `length` times the last direction.
+    pub fn direction(&mut self, [gradient, preconditioned]: [Vec<Vec3>; 2], length: f64) -> &Heading {
         if let Some(last) = self.last.take() {
-            self.learn(last, gradient, preconditioned, length);
+            self.learn(last, &gradient, &preconditioned, length);
         }
-        let (mut q, mut d) = (gradient.to_vec(), preconditioned.to_vec());
+        let mut direction = preconditioned.clone();
+        if !self.steps.is_empty() {
+            self.bend(gradient.clone(), &mut direction);
+        }
+        direction.par_iter_mut().with_min_len(BLOCK).for_each(|d| *d = -*d);
+        self.last.insert(Heading { gradient, preconditioned, direction })
+    }
+
+    /// The last direction without what earlier steps tell, and without these; `None` where it was that.
+    pub fn steepest(&mut self) -> Option<&Heading> {
+        if self.steps.is_empty() {
+            return None;
+        }
+        self.steps.clear();
+        let last = self.last.take()?;
+        Some(self.direction([last.gradient, last.preconditioned], 0.0))
+    }
+
+    /// The two loops, from a gradient `q` and `d = K^-1 q`.
+    fn bend(&self, mut q: Vec<Vec3>, d: &mut [Vec3]) {
         let mut alphas = Vec::with_capacity(self.steps.len());
         for step in self.steps.iter().rev() {
             let alpha = dot(&step.s, &q) / step.curvature;
             add(&mut q, -alpha, &step.y);
-            add(&mut d, -alpha, &step.z);
+            add(d, -alpha, &step.z);
             alphas.push(alpha);
         }
         if let Some(newest) = self.steps.last() {
@@ -65,21 +84,19 @@ impl Lbfgs {
             d.par_iter_mut().with_min_len(BLOCK).for_each(|d| *d *= scale);
         }
         for (step, alpha) in self.steps.iter().zip(alphas.iter().rev()) {
-            let beta = dot(&step.y, &d) / step.curvature;
-            add(&mut d, alpha - beta, &step.s);
+            let beta = dot(&step.y, d) / step.curvature;
+            add(d, alpha - beta, &step.s);
         }
-        d.par_iter_mut().with_min_len(BLOCK).for_each(|d| *d = -*d);
-        let (gradient, preconditioned) = (gradient.to_vec(), preconditioned.to_vec());
-        self.last = Some(Last { gradient, preconditioned, direction: d.clone() });
-        d
     }
 
-    fn learn(&mut self, last: Last, gradient: &[Vec3], preconditioned: &[Vec3], length: f64) {
+    fn learn(&mut self, last: Heading, gradient: &[Vec3], preconditioned: &[Vec3], length: f64) {
+        let change = |mut before: Vec<Vec3>, now: &[Vec3]| {
+            before.par_iter_mut().zip(now).with_min_len(BLOCK).for_each(|(b, n)| *b = *n - *b);
+            before
+        };
         let mut s = last.direction;
         s.par_iter_mut().with_min_len(BLOCK).for_each(|s| *s *= length);
-        let (mut y, mut z) = (gradient.to_vec(), preconditioned.to_vec());
-        add(&mut y, -1.0, &last.gradient);
-        add(&mut z, -1.0, &last.preconditioned);
+        let (y, z) = (change(last.gradient, gradient), change(last.preconditioned, preconditioned));
         let curvature = dot(&s, &y);
         // Without positive curvature the model would lead uphill.
         if curvature <= LEAST_CURVATURE * dot(&y, &z) {

@@ -4,7 +4,7 @@
 //! step, and converges slowly. The last steps tell more of the curvature. A step that does not lower the energy well
 //! enough is shortened, and where that does not help the last steps are forgotten.
 
-use super::lbfgs::Lbfgs;
+use super::lbfgs::{Heading, Lbfgs};
 use super::vectors::dot;
 use crate::{Result, Vec3};
 
@@ -70,13 +70,10 @@ pub fn refine<D: Descent>(
     // What is out of range is told by whoever sees the result.
     while iterations < stop.max_iterations && quiet < 2 && problem.energy(&point).0.is_finite() {
         watch(iterations)?;
-        let [gradient, preconditioned] = problem.gradient(&point);
-        let direction = memory.direction(&gradient, &preconditioned, length);
-        let found = search(problem, &point, &direction, &gradient).or_else(|| {
-            memory = Lbfgs::default();
-            let direction = memory.direction(&gradient, &preconditioned, 0.0);
-            search(problem, &point, &direction, &gradient)
-        });
+        let mut found = search(problem, &point, memory.direction(problem.gradient(&point), length));
+        if found.is_none() {
+            found = memory.steepest().and_then(|heading| search(problem, &point, heading));
+        }
         iterations += 1;
         let before = problem.energy(&point).0;
         // Where the steepest way down leads nowhere, rounding is all that is left.
@@ -99,8 +96,7 @@ pub fn refine<D: Descent>(
 fn search<D: Descent>(
     problem: &D,
     from: &D::Point,
-    direction: &[Vec3],
-    gradient: &[Vec3],
+    Heading { gradient, direction, .. }: &Heading,
 ) -> Option<(D::Point, f64)> {
     let slope = 2.0 * dot(gradient, direction);
     let start = problem.energy(from).0;
