@@ -17,9 +17,10 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 use rayon::prelude::*;
 
 use super::columns::Columns;
+use super::lanes::{LANES, Lanes};
 use super::matrix::SymmetricMatrix;
 use super::schedule::Schedule;
-use super::substitution::{LANES, Lanes, substitute};
+use super::substitution::substitute;
 use crate::{Error, Result, Vec3, memory};
 
 /// Added to each entry of the diagonal, relative to itself, when a factorization fails the first time. Rounding

@@ -6,16 +6,12 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
+use super::lanes::{LANES, Lanes, add_scaled};
 use super::schedule::{Part, Schedule};
 
-/// Right-hand sides of one pass.
-pub const LANES: usize = 4;
-
-/// An unknown of each right-hand side.
-pub type Lanes = [f64; LANES];
-
-/// Replaces `b`, a vector of the schedule, by the solution.
-pub(super) fn substitute(schedule: &Schedule, values: &[f64], b: &mut [Lanes]) {
+/// Replaces `b`, a vector of the schedule, by the solution. Of values in single precision half is read, which is what a
+/// pass waits for; the arithmetic is the same.
+pub(super) fn substitute<V: Value>(schedule: &Schedule, values: &[V], b: &mut [Lanes]) {
     let arch = Arch::new();
     schedule.run(
         b,
@@ -25,19 +21,25 @@ pub(super) fn substitute(schedule: &Schedule, values: &[f64], b: &mut [Lanes]) {
     );
 }
 
+/// How values of the factor are kept.
+pub(super) trait Value: Copy + Into<f64> + Sync {}
+
+impl Value for f64 {}
+impl Value for f32 {}
+
 /// `L y = b`
-struct Forward<'a> {
+struct Forward<'a, V> {
     part: &'a Part,
-    values: &'a [f64],
+    values: &'a [V],
     x: &'a mut [Lanes],
 }
 
 // A closure would do, but is compiled by itself, without the instructions that it is called for.
-impl WithSimd for Forward<'_> {
+impl<V: Value> WithSimd for Forward<'_, V> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Self { part, values, x } = self;
         let mut work = Vec::new();
         for block in &part.blocks {
@@ -51,10 +53,10 @@ impl WithSimd for Forward<'_> {
             while first < size {
                 let values = &values[first * work.len()..];
                 first += match size - first {
-                    1 => eliminate::<1>(values, &mut work, first),
-                    2 => eliminate::<2>(values, &mut work, first),
-                    3 => eliminate::<3>(values, &mut work, first),
-                    _ => eliminate::<4>(values, &mut work, first),
+                    1 => eliminate::<S, V, 1>(simd, values, &mut work, first),
+                    2 => eliminate::<S, V, 2>(simd, values, &mut work, first),
+                    3 => eliminate::<S, V, 3>(simd, values, &mut work, first),
+                    _ => eliminate::<S, V, 4>(simd, values, &mut work, first),
                 };
             }
             x[block.columns.clone()].copy_from_slice(&work[..size]);
@@ -67,17 +69,17 @@ impl WithSimd for Forward<'_> {
 }
 
 /// `L^T x = y`
-struct Backward<'a> {
+struct Backward<'a, V> {
     part: &'a Part,
-    values: &'a [f64],
+    values: &'a [V],
     x: &'a mut [Lanes],
 }
 
-impl WithSimd for Backward<'_> {
+impl<V: Value> WithSimd for Backward<'_, V> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Self { part, values, x } = self;
         let mut work = Vec::new();
         for block in part.blocks.iter().rev() {
@@ -89,10 +91,10 @@ impl WithSimd for Backward<'_> {
             let mut left = size;
             while left > 0 {
                 left -= match left {
-                    1 => substitute_back::<1>(values, &mut work, left),
-                    2 => substitute_back::<2>(values, &mut work, left),
-                    3 => substitute_back::<3>(values, &mut work, left),
-                    _ => substitute_back::<4>(values, &mut work, left),
+                    1 => substitute_back::<S, V, 1>(simd, values, &mut work, left),
+                    2 => substitute_back::<S, V, 2>(simd, values, &mut work, left),
+                    3 => substitute_back::<S, V, 3>(simd, values, &mut work, left),
+                    _ => substitute_back::<S, V, 4>(simd, values, &mut work, left),
                 };
             }
             x[block.columns.clone()].copy_from_slice(&work[..size]);
@@ -102,7 +104,7 @@ impl WithSimd for Backward<'_> {
 
 /// The next `C` columns of a block, as long as `work` each, from row `first` on.
 #[inline(always)]
-fn columns<const C: usize>(values: &[f64], rows: usize, first: usize) -> [&[f64]; C] {
+fn columns<const C: usize, V>(values: &[V], rows: usize, first: usize) -> [&[V]; C] {
     std::array::from_fn(|c| &values[c * rows + first..(c + 1) * rows])
 }
 
@@ -110,21 +112,28 @@ fn columns<const C: usize>(values: &[f64], rows: usize, first: usize) -> [&[f64]
 // Plain loops over arrays become vector instructions.
 #[allow(clippy::needless_range_loop)]
 #[inline(always)]
-fn eliminate<const C: usize>(values: &[f64], work: &mut [Lanes], first: usize) -> usize {
-    let columns = columns::<C>(values, work.len(), first);
+fn eliminate<S: Simd, V: Value, const C: usize>(
+    simd: S,
+    values: &[V],
+    work: &mut [Lanes],
+    first: usize,
+) -> usize {
+    let columns = columns::<C, V>(values, work.len(), first);
     let (own, below) = work[first..].split_at_mut(C);
     for c in 0..C {
         let mut x = own[c];
         for p in 0..c {
-            (0..LANES).for_each(|k| x[k] -= columns[p][c] * own[p][k]);
+            add_scaled(simd, &mut x, -columns[p][c].into(), &own[p]);
         }
-        own[c] = x.map(|x| x / columns[c][c]);
+        let pivot: f64 = columns[c][c].into();
+        (0..LANES).for_each(|k| own[c][k] = x[k] / pivot);
     }
-    let x: [Lanes; C] = std::array::from_fn(|c| own[c]);
+    let mut x = [[0.0; LANES]; C];
+    x.copy_from_slice(own);
     let columns = columns.map(|column| &column[C..][..below.len()]);
     for (row, below) in below.iter_mut().enumerate() {
         for c in 0..C {
-            (0..LANES).for_each(|k| below[k] -= columns[c][row] * x[c][k]);
+            add_scaled(simd, below, -columns[c][row].into(), &x[c]);
         }
     }
     C
@@ -134,24 +143,30 @@ fn eliminate<const C: usize>(values: &[f64], work: &mut [Lanes], first: usize) -
 // Plain loops over arrays become vector instructions.
 #[allow(clippy::needless_range_loop)]
 #[inline(always)]
-fn substitute_back<const C: usize>(values: &[f64], work: &mut [Lanes], end: usize) -> usize {
+fn substitute_back<S: Simd, V: Value, const C: usize>(
+    simd: S,
+    values: &[V],
+    work: &mut [Lanes],
+    end: usize,
+) -> usize {
     let first = end - C;
-    let columns = columns::<C>(&values[first * work.len()..], work.len(), first);
+    let columns = columns::<C, V>(&values[first * work.len()..], work.len(), first);
     let (own, below) = work[first..].split_at_mut(C);
-    let mut taken = [[0.0; LANES]; C];
+    let mut left = [[0.0; LANES]; C];
+    left.copy_from_slice(own);
     let beneath = columns.map(|column| &column[C..][..below.len()]);
     for (row, below) in below.iter().enumerate() {
         for c in 0..C {
-            (0..LANES).for_each(|k| taken[c][k] += beneath[c][row] * below[k]);
+            add_scaled(simd, &mut left[c], -beneath[c][row].into(), below);
         }
     }
     for c in (0..C).rev() {
-        let mut x = own[c];
+        let mut x = left[c];
         for p in c + 1..C {
-            (0..LANES).for_each(|k| taken[c][k] += columns[c][p] * own[p][k]);
+            add_scaled(simd, &mut x, -columns[c][p].into(), &own[p]);
         }
-        (0..LANES).for_each(|k| x[k] = (x[k] - taken[c][k]) / columns[c][c]);
-        own[c] = x;
+        let pivot: f64 = columns[c][c].into();
+        (0..LANES).for_each(|k| own[c][k] = x[k] / pivot);
     }
     C
 }

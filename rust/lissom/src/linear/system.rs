@@ -8,8 +8,8 @@ use super::apart::{Correction, SplitMatrix};
 use super::columns::Columns;
 use super::constraints::Constraints;
 use super::factor::{Factor, Symbolic};
+use super::lanes::{LANES, Lanes};
 use super::matrix::SymmetricMatrix;
-use super::substitution::{LANES, Lanes};
 use crate::{Error, Job, Result, Vec3};
 
 /// A symmetric system with constraints, factored.

@@ -280,7 +280,10 @@ impl Posing<'_> {
         let mut turning = stitcher.turning(at_rest, &rotations, &displacements, more);
         // Else rounding grows where a symmetric shape is no minimum, as one that buckles.
         self.symmetry.symmetrise_turns(&mut turning.torques);
-        self.symmetry.symmetrise_turns(&mut turning.misfits);
+        if !turning.misfits.is_empty() {
+            self.symmetry.symmetrise_turns(&mut turning.misfits);
+            turning.misfits.resize(rotations.len() + turns.len(), Vec3::ZERO);
+        }
         let soft = stitcher.system().constraints().soft();
         let given = match soft {
             [] => Vec::new(),
@@ -291,8 +294,7 @@ impl Posing<'_> {
         };
         let pulls: f64 = soft.iter().map(missed).sum();
         let (energy, size) = (turning.energy + pulls, turning.size + pulls);
-        let (mut torques, mut misfits) = (turning.torques, turning.misfits);
-        misfits.resize(misfits.len() + turns.len(), Vec3::ZERO);
+        let (mut torques, misfits) = (turning.torques, turning.misfits);
         if !self.levers.is_empty() {
             let mut forces = stitcher.matrix().times_vectors(&displacements);
             forces.iter_mut().zip(asked).for_each(|(force, &asked)| *force -= asked);
