@@ -61,8 +61,14 @@ struct Order {
 #[derive(Debug)]
 pub struct Factor {
     symbolic: Symbolic,
-    values: Vec<f64>,
+    values: Values,
     regularized: bool,
+}
+
+#[derive(Debug)]
+enum Values {
+    Double(Vec<f64>),
+    Single(Vec<f32>),
 }
 
 impl Symbolic {
@@ -130,7 +136,7 @@ impl Symbolic {
     /// little added to its diagonal, [`Error::OutOfMemory`] where the factor does not fit.
     pub fn factor(&self, matrix: &SymmetricMatrix) -> Result<Factor> {
         if let Some(values) = self.attempt(matrix)? {
-            return Ok(Factor { symbolic: self.clone(), values, regularized: false });
+            return Ok(Factor { symbolic: self.clone(), values: Values::Double(values), regularized: false });
         }
         let mut regularized = matrix.clone();
         let least = matrix.largest() * f64::EPSILON;
@@ -138,7 +144,9 @@ impl Symbolic {
             regularized.add_to_diagonal(row, REGULARIZATION * matrix.diagonal(row).max(least));
         }
         match self.attempt(&regularized)? {
-            Some(values) => Ok(Factor { symbolic: self.clone(), values, regularized: true }),
+            Some(values) => {
+                Ok(Factor { symbolic: self.clone(), values: Values::Double(values), regularized: true })
+            }
             None => Err(Error::SolveFailed(format!(
                 "the system of {} unknowns is not positive definite: too few constraints?",
                 matrix.size()
@@ -184,18 +192,24 @@ impl Symbolic {
     /// Whether every pivot is more than what rounding leaves of the entry that it started from. Where one is
     /// not, the matrix is singular as far as can be told, and the factor is noise.
     fn stands(&self, matrix: &SymmetricMatrix, values: &[f64]) -> bool {
-        let pivots: Vec<f64> = match self.0.cholesky.raw() {
+        let row = |k: usize| self.0.cholesky.perm().map_or(k, |order| order.arrays().0[k] as usize);
+        let pivots = self.pivots(values);
+        (pivots.iter().enumerate()).all(|(k, pivot)| pivot * pivot > ROUNDING * matrix.diagonal(row(k)))
+    }
+
+    /// The diagonal of a factor.
+    fn pivots(&self, values: &[f64]) -> Vec<f64> {
+        match self.0.cholesky.raw() {
             SymbolicCholeskyRaw::Simplicial(symbolic) => {
-                symbolic.col_ptr()[..matrix.size()].iter().map(|&first| values[first as usize]).collect()
+                let firsts = &symbolic.col_ptr()[..self.0.cholesky.nrows()];
+                firsts.iter().map(|&first| values[first as usize]).collect()
             }
             SymbolicCholeskyRaw::Supernodal(symbolic) => {
                 let factor = SupernodalLltRef::new(symbolic, values);
                 let blocks = (0..symbolic.n_supernodes()).map(|s| factor.supernode(s).val());
                 blocks.flat_map(|block| (0..block.ncols()).map(move |k| block[(k, k)])).collect()
             }
-        };
-        let row = |k: usize| self.0.cholesky.perm().map_or(k, |order| order.arrays().0[k] as usize);
-        (pivots.iter().enumerate()).all(|(k, pivot)| pivot * pivot > ROUNDING * matrix.diagonal(row(k)))
+        }
     }
 }
 
@@ -210,9 +224,25 @@ impl Factor {
         self.regularized
     }
 
+    /// The same with values rounded to single precision, where they suit that: the factor of a matrix that is still
+    /// symmetric and positive definite, and about as near. A pass over it reads half.
+    pub fn rounded(mut self) -> Self {
+        if let Values::Double(values) = &self.values
+            && self.symbolic.schedule().is_some()
+            && self.symbolic.pivots(values).iter().all(|pivot| (*pivot as f32).is_normal())
+            && values.iter().all(|value| (*value as f32).is_finite())
+        {
+            self.values = Values::Single(values.iter().map(|&value| value as f32).collect());
+        }
+        self
+    }
+
     /// Number of values, zeros that fill up blocks included.
     pub fn nonzeros(&self) -> usize {
-        self.values.len()
+        match &self.values {
+            Values::Double(values) => values.len(),
+            Values::Single(values) => values.len(),
+        }
     }
 
     /// Bytes of values and indices: what one solve reads twice.
@@ -221,7 +251,8 @@ impl Factor {
             SymbolicCholeskyRaw::Simplicial(symbolic) => symbolic.row_idx().len() + symbolic.col_ptr().len(),
             SymbolicCholeskyRaw::Supernodal(symbolic) => symbolic.row_idx().len(),
         };
-        size_of::<f64>() * self.values.len() + size_of::<u32>() * indices
+        let each = if matches!(self.values, Values::Double(_)) { size_of::<f64>() } else { size_of::<f32>() };
+        each * self.nonzeros() + size_of::<u32>() * indices
     }
 
     /// Replaces every set of vectors `b`, one per unknown, by the solution `x` of `A x = b`.
@@ -240,13 +271,13 @@ impl Factor {
         if self.size() == 0 {
             return;
         }
-        if (2..=FEW).contains(&columns.count())
-            && let Some(schedule) = self.symbolic.schedule()
-        {
-            return self.solve_few(schedule, columns);
-        }
+        let few = (2..=FEW).contains(&columns.count());
+        let values = match &self.values {
+            Values::Double(values) if !(few && self.symbolic.schedule().is_some()) => values,
+            _ => return self.solve_few(columns),
+        };
         let at_once = columns.count().div_ceil(SHARES).clamp(1, COLUMNS_AT_ONCE);
-        let llt = LltRef::new(&self.symbolic.0.cholesky, &self.values);
+        let llt = LltRef::new(&self.symbolic.0.cholesky, values);
         columns.data_mut().par_chunks_mut(at_once * self.size()).for_each(|chunk| {
             let count = chunk.len() / self.size();
             let scratch = self.symbolic.0.cholesky.solve_in_place_scratch::<f64>(count, Par::Seq);
@@ -256,7 +287,15 @@ impl Factor {
         });
     }
 
-    fn solve_few(&self, schedule: &Schedule, columns: &mut Columns) {
+    fn substitute(&self, schedule: &Schedule, b: &mut [Lanes]) {
+        match &self.values {
+            Values::Double(values) => substitute(schedule, values, b),
+            Values::Single(values) => substitute(schedule, values, b),
+        }
+    }
+
+    fn solve_few(&self, columns: &mut Columns) {
+        let Some(schedule) = self.symbolic.schedule() else { return };
         let size = self.size();
         let at_once = columns.count().div_ceil(columns.count().div_ceil(LANES));
         columns.data_mut().par_chunks_mut(at_once * size).for_each(|chunk| {
@@ -264,7 +303,7 @@ impl Factor {
             let at = |i: usize, lane: usize| if lane < count { chunk[lane * size + i] } else { 0.0 };
             let lanes = |unknown: u32| -> Lanes { std::array::from_fn(|lane| at(unknown as usize, lane)) };
             let mut b = schedule.vector(lanes);
-            substitute(schedule, &self.values, &mut b);
+            self.substitute(schedule, &mut b);
             for (lane, column) in chunk.chunks_mut(size).enumerate() {
                 let places = column.iter_mut().zip(schedule.places());
                 places.for_each(|(x, &place)| *x = b[place as usize][lane]);
@@ -283,7 +322,7 @@ impl Factor {
         let schedule = self.symbolic.schedule()?;
         let mut b = schedule.vector(of);
         add(&mut b, schedule.places());
-        substitute(schedule, &self.values, &mut b);
+        self.substitute(schedule, &mut b);
         Some((b, schedule.places()))
     }
 }

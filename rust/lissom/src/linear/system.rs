@@ -107,6 +107,11 @@ impl ConstrainedSystem {
         Ok(Self { constraints, symbolic, factor, coupling, correction: None })
     }
 
+    /// The same with the factor rounded to single precision: a metric, where solutions are not what counts.
+    pub fn rounded(self) -> Self {
+        Self { factor: self.factor.rounded(), ..self }
+    }
+
     /// The constraints.
     pub fn constraints(&self) -> &Constraints {
         &self.constraints

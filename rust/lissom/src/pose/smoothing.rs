@@ -36,5 +36,6 @@ pub(super) fn metric(
     };
     let mut matrix = SymmetricMatrix::laplacian(rest.len(), (0..rest.len()).flat_map(edges));
     rest.iter().enumerate().for_each(|(i, s)| matrix.add_to_diagonal(i, 2.0 / 3.0 * trace(*s) + least));
-    ConstrainedSystem::new(&matrix, Constraints::hard(rest.len(), |_| false), job)
+    let system = ConstrainedSystem::new(&matrix, Constraints::hard(rest.len(), |_| false), job)?;
+    Ok(system.rounded())
 }
