@@ -158,6 +158,7 @@ class BoundPose:
         self.extent = np.linalg.norm(np.ptp(vertices, axis=0))
         self._handles = handles
         self._seconds = None  # of one iteration, in the last solve
+        self.doubts = []  # what the last solve says besides, that it stopped early apart
         self.breaks = 0  # counts how often something else than a solve was shown
         self.put_to_rest()
 
@@ -235,6 +236,8 @@ class BoundPose:
     def _note(self, motion, result):
         self._motion = motion
         self._converged = result.report["converged"]
+        own = result.report["warnings"][len(self.warnings) :]
+        self.doubts = [warning for warning in own if not warning.startswith("not converged")]
         self._seconds = result.report["seconds"] / max(1, result.report["iterations"])
         self._warm = True
         body = result.vertices[None, : len(self.vertices)]

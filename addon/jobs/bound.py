@@ -142,7 +142,8 @@ def _follow(obj, uid, seconds):
         obj.lissom_pose.live = False
         session.status[uid] = ("ERROR", f"Live is off after an error: {error}")
         raise
-    session.status[uid] = ("CHECKMARK", f"Solved in {1e3 * report['seconds']:.1f} ms")
+    solved = ("CHECKMARK", f"Solved in {1e3 * report['seconds']:.1f} ms")
+    session.status[uid] = ("ERROR", pose.doubts[0]) if pose.doubts else solved
     return not pose.converged
 
 

@@ -152,8 +152,9 @@ class Solve:
         vertices, report = result
         obj = self._mesh.find()
         bound.show(obj, vertices)
-        rest = self._unrest(report)
-        session.status[obj.session_uid] = ("ERROR", *rest) if rest else ("CHECKMARK", "Solved to the end")
+        rest = [*self._pose.doubts, *self._unrest(report)]
+        solved = ("CHECKMARK", "Solved to the end")
+        session.status[obj.session_uid] = ("ERROR", rest[0]) if rest else solved
         warnings = [*self._pose.warnings, *rest]
         return PoseDone(summary=f"'{obj.name}' is solved", warnings=warnings, object=obj.name)
 

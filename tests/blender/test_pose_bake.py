@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 import pytest
 import scene
+from bl_ext.user_default.lissom import session
 from bl_ext.user_default.lissom.bridge import poses
 from bl_ext.user_default.lissom.jobs.bound import follow
 from mathutils import Matrix, Quaternion
@@ -50,6 +51,17 @@ def test_an_empty_that_turned_twice_twists_the_mesh_twice(method):
     scene.empty(obj, "top").rotation_euler.z = 0
     bpy.context.view_layer.update()
     assert abs(twist(obj)) < 1
+
+
+def test_turns_that_the_mesh_does_not_make_are_told_where_the_artist_looks():
+    obj = bound("laplacian")
+    for degrees, wanted in ((90, False), (720, True), (90, False)):
+        scene.empty(obj, "top").rotation_euler.z = np.radians(degrees)
+        bpy.context.view_layer.update()
+        icon, text = session.status[obj.session_uid]
+        assert ("has unwound" in text, icon == "ERROR") == (wanted, wanted)
+        bpy.ops.lissom.pose_update(object=obj.name)
+        assert ("has unwound" in session.status[obj.session_uid][1]) == wanted
 
 
 @pytest.mark.parametrize("scale", [(1, 1, 1), (-1, 1, 1), (1, 1, -2)])

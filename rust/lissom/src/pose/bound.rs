@@ -11,6 +11,7 @@ use super::own_turns::OwnTurns;
 use super::region::Region;
 use super::registry::MethodOptions;
 use super::unheld::Followers;
+use super::unwound::{Ways, turn_far};
 use super::volume::KeptVolume;
 use super::welding::Welding;
 use crate::linear::{Factor, REGULARIZED};
@@ -70,6 +71,8 @@ pub struct Pose {
     volume: Option<KeptVolume>,
     followers: Followers,
     own_turns: OwnTurns,
+    /// Made when a handle first turns far.
+    ways: Option<Ways>,
     info: Info,
     warnings: Vec<String>,
 }
@@ -136,6 +139,7 @@ impl Pose {
             volume,
             followers,
             own_turns,
+            ways: None,
             info,
             warnings,
         })
@@ -228,7 +232,13 @@ impl Pose {
             (targets, own) = self.targets(&transforms);
         }
         transforms.truncate(handles);
-        let posed = Posed { transforms, ..self.posed(&targets, &own, solution, begin)? };
+        let mut unwound = Vec::new();
+        if let Some(solution) = solution.as_ref().filter(|_| turn_far(&motions)) {
+            let ways = self.ways.get_or_insert_with(|| Ways::of(&self.region));
+            unwound = ways.warnings(&self.region, &motions, &solution.displacements, handles);
+        }
+        let mut posed = Posed { transforms, ..self.posed(&targets, &own, solution, begin)? };
+        posed.report.warnings.extend(unwound);
         self.keep(job)?;
         self.own_turns.note(&free, &motions);
         Ok(posed)
@@ -303,18 +313,7 @@ impl Pose {
             report.iterations = solution.iterations;
             report.energy = solution.energy;
             report.converged = solution.converged;
-            if !solution.converged {
-                let last = match solution.residual.is_finite() {
-                    true => {
-                        format!(", the last of which lowered the energy by {:.1e} of it", solution.residual)
-                    }
-                    false => String::new(),
-                };
-                report.warnings.push(format!(
-                    "not converged after {} iterations{last}: raise max_iterations or tolerance",
-                    solution.iterations
-                ));
-            }
+            report.warnings.extend(solution.warning());
         }
         let put = |vertices: &mut [Vec3]| {
             self.images.symmetrise(&self.whole, vertices);

@@ -87,6 +87,18 @@ impl Solution {
     pub(crate) fn direct(displacements: Vec<Vec3>) -> Self {
         Self { displacements, iterations: 1, energy: None, converged: true, residual: 0.0, turns: Vec::new() }
     }
+
+    /// What is said where it stopped early.
+    pub(super) fn warning(&self) -> Option<String> {
+        let last = match self.residual.is_finite() {
+            true => format!(", the last of which lowered the energy by {:.1e} of it", self.residual),
+            false => String::new(),
+        };
+        let iterations = self.iterations;
+        (!self.converged).then(|| {
+            format!("not converged after {iterations} iterations{last}: raise max_iterations or tolerance")
+        })
+    }
 }
 
 /// A way to pose a region. An instance is bound to one region, and keeps what it factored.
