@@ -86,35 +86,48 @@ pub(super) fn rods(mesh: &Mesh) -> (Vec<Owned>, Option<String>) {
     let surface = Surface::of(&triangles, rest);
     let inward = inward_normals(&triangles, rest);
     let component = |v: u32| mesh.components().of_vertex(v as usize);
-    let found: Vec<Option<Rod>> = (0..rest.len() as u32)
-        .into_par_iter()
-        .map(|from| {
-            let own = component(from).filter(|&c| solid[c])?;
-            let direction = inward[from as usize];
-            let accept = |t: usize| component(triangles[t][0]) == Some(own) && !triangles[t].contains(&from);
-            let hit = surface.exit(rest[from as usize], direction, accept)?;
-            let at = hit.weights;
-            let to = triangles[hit.triangle];
-            // What it meets at a slant is not opposite. Normals between vertices do not jump at an edge that it meets.
-            let facing: Vec3 = (0..3).map(|k| inward[to[k] as usize] * at[k]).sum();
-            let slant = -facing.normalize_or_zero().dot(direction);
-            (slant > 0.0).then_some(Rod { from, to, at, slant, length: hit.distance })
-        })
-        .collect();
-    let lengths: Vec<f64> = found.iter().map(|rod| rod.map_or(f64::INFINITY, |rod| rod.length)).collect();
+    let rod = |from: u32| {
+        let own = component(from).filter(|&c| solid[c])?;
+        let direction = inward[from as usize];
+        let accept = |t: usize| component(triangles[t][0]) == Some(own) && !triangles[t].contains(&from);
+        let hit = surface.exit(rest[from as usize], direction, accept)?;
+        let at = hit.weights;
+        let to = triangles[hit.triangle];
+        // What it meets at a slant is not opposite. Normals between vertices do not jump at an edge that it meets.
+        let facing: Vec3 = (0..3).map(|k| inward[to[k] as usize] * at[k]).sum();
+        let slant = -facing.normalize_or_zero().dot(direction);
+        (slant > 0.0).then_some(Rod { from, to, at, slant, length: hit.distance })
+    };
+    // An edge further the body is about as thick.
+    let mut beside = vec![false; rest.len()];
+    let mut apart = |v: &u32| {
+        let own = !beside[*v as usize];
+        let corners = mesh.adjacency().corners_of(*v as usize).iter().filter(|_| own);
+        let around = corners.flat_map(|corner| mesh.triangles()[corner.triangle as usize]);
+        around.for_each(|w| beside[w as usize] = true);
+        own
+    };
+    let samples: Vec<u32> = (0..rest.len() as u32).filter(&mut apart).collect();
+    let mut found: Vec<Option<Option<Rod>>> = vec![None; rest.len()];
+    let sampled: Vec<Option<Rod>> = samples.par_iter().map(|&v| rod(v)).collect();
+    samples.iter().zip(sampled).for_each(|(&v, rod)| found[v as usize] = Some(rod));
+    let length = |rod: &Option<Option<Rod>>| rod.flatten().map_or(f64::INFINITY, |rod| rod.length);
+    let lengths: Vec<f64> = found.iter().map(length).collect();
     let paths = Paths::new(mesh.adjacency(), rest, TIE);
     let mut thickness = lengths.clone();
     paths.shorten(&mut thickness, (0u32..).zip(lengths), f64::INFINITY, |_| {});
     let mut nearest = vec![None; rest.len()];
     let mut away = vec![f64::INFINITY; rest.len()];
-    for (v, rod) in (0u32..).zip(&found) {
-        if away[v as usize].is_infinite() && rod.is_some() {
-            let reach = SPACING * thickness[v as usize];
+    for v in 0..rest.len() as u32 {
+        if away[v as usize].is_infinite()
+            && let Some(rod) = *found[v as usize].get_or_insert_with(|| rod(v))
+        {
+            let reach = SPACING * thickness[v as usize].min(rod.length);
             paths.shorten(&mut away, [(v, 0.0)], reach, |w| nearest[w as usize] = Some(v));
         }
     }
     let owned = |((owner, area), nearest): ((u32, f64), Option<u32>)| {
-        let (rod, thickness) = (found[nearest? as usize]?, thickness[nearest? as usize]);
+        let (rod, thickness) = (found[nearest? as usize]??, thickness[nearest? as usize]);
         let length = rod.length.max(SHORTEST * area.sqrt());
         let strain = thickness.min(length) / (length * length);
         let weight = STIFFNESS * area * rod.slant * strain * strain;
