@@ -236,8 +236,9 @@ class BoundPose:
     def _note(self, motion, result):
         self._motion = motion
         self._converged = result.report["converged"]
-        own = result.report["warnings"][len(self.warnings) :]
-        self.doubts = [warning for warning in own if not warning.startswith("not converged")]
+        # After those of the pose, and the one of a solve that stopped early.
+        known = len(self.warnings) + (not self._converged)
+        self.doubts = result.report["warnings"][known:]
         self._seconds = result.report["seconds"] / max(1, result.report["iterations"])
         self._warm = True
         body = result.vertices[None, : len(self.vertices)]
