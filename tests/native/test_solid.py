@@ -61,6 +61,21 @@ def test_a_box_keeps_two_turns_and_its_body(method, least):
     assert kept(vertices, result, faces) > least
 
 
+@pytest.mark.parametrize("rows", [60, 120])
+def test_a_thick_ellipsoid_keeps_most_of_its_body(rows):
+    """Its normals cross no two alike: rods hold it less well than a prism."""
+    vertices, faces = prism(rows, 32, length=6)
+    along = vertices[:, :1] / 3 - 1
+    vertices = (
+        vertices * (1, 2, 2) * np.where([True, False, False], 1, np.sqrt(np.maximum(1 - along**2, 1e-3)))
+    )
+    for angle, least in ((np.pi * 0.75, 0.9), (np.pi, 0.88)):
+        result = posed(vertices, faces, ends(vertices), bend(vertices, angle), turns=(0, 0, angle))
+        assert kept(vertices, result, faces) > least
+    result = posed(vertices, faces, ends(vertices), np.eye(4), turns=(2 * np.pi, 0, 0))
+    assert kept(vertices, result, faces) > 0.8
+
+
 @pytest.mark.parametrize("method", METHODS)
 @settings(max_examples=10, deadline=None)
 @given(seed=st.integers(0, 10_000))

@@ -27,7 +27,7 @@ use crate::stitch::{Differences, Volumes};
 use crate::{Fault, Mesh, Vec3};
 
 /// `k`: how much a strain across the body counts against one along the surface.
-const STIFFNESS: f64 = 4.0;
+const STIFFNESS: f64 = 8.0;
 
 /// How far a vertex may be from the rod that it shares, as a part of the thickness.
 const SPACING: f64 = 0.2;
