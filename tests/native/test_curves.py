@@ -129,6 +129,28 @@ def test_a_curve_on_the_other_eye_is_named_and_left_out(cartoon):
         assert cartoon.off(fits[0], part) < 1.05 * cartoon.off(fits[1], part)
 
 
+@pytest.mark.parametrize(
+    ("pairs", "wrong"),
+    [
+        ([(0, 1), (1, 0), (2, 2)], [0, 1]),
+        ([(0, 1), (1, 0)], [0, 1]),
+        ([(0, 0), (2, 1)], [1]),
+        ([(0, 0), (1, 1), (2, 2), (2, 0)], [3]),
+    ],
+)
+def test_without_markers_the_shapes_tell_which_curve_is_elsewhere(data, pairs, wrong):
+    cartoon = Cartoon(data, tall=1.3, wide=1.1)
+    right = cartoon.curves()
+    curves = [(right[source][0], right[target][1]) for source, target in pairs]
+    fits = [
+        lissom.fit_correspondence(cartoon.source, cartoon.target, None, curves=curves)
+        for curves in (curves, [curve for number, curve in enumerate(curves) if number not in wrong])
+    ]
+    assert fits[0].doubtful_curves.tolist() == wrong and not len(fits[0].unmet_curves)
+    assert fits[0].report["flipped_triangles"] == 0
+    assert cartoon.off(fits[0], slice(None)) < 1.05 * cartoon.off(fits[1], slice(None))
+
+
 def sheet(size):
     """A hilly square of size x size vertices, number row * size + column."""
     y, x = np.divmod(np.arange(size * size), size) / np.array(size - 1.0)

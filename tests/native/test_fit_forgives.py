@@ -158,7 +158,7 @@ def test_a_turned_target_gets_turned_keys(data, degrees):
 def test_without_markers_the_shapes_tell(data):
     head = Head(data)
     source = lissom.Mesh(head.rest, head.faces)
-    for seed in (1, 5):
+    for seed in (1, 3, 5):  # with half the rounds the lips of the second are pulled beside the target's
         person = head.person(seed)
         vertices, faces, _, order = shuffled(person * 0.01 + 3, head.faces)
         fit, keys = carried(source, lissom.Mesh(vertices, faces), None, head.rest + head.offsets)
@@ -169,6 +169,23 @@ def test_without_markers_the_shapes_tell(data):
     lion = lissom.Mesh(lion["lion_reference"], lion["lion_faces"])
     with pytest.raises(lissom.InvalidConstraint, match="too little in common"):
         lissom.fit_correspondence(source, lion)
+
+
+@pytest.mark.parametrize("half", ["source", "target"])
+def test_half_a_head_without_markers_does_not_tilt_the_keys(data, half):
+    head = Head(data, SKIN)
+    person = head.person(3)
+    whole, left = np.full(SKIN, True), head.rest[:, 0] > -1e-6
+    kept = [left, whole] if half == "source" else [whole, left]
+    own, own_faces, _, own_order = part(head.rest, head.faces, kept[0])
+    vertices, faces, _, order = part(person, head.faces, kept[1])
+    vertices, faces, _, mixed = shuffled(vertices, faces)
+    poses = own + head.offsets[:, own_order]
+    _, keys = carried(lissom.Mesh(own, own_faces), lissom.Mesh(vertices, faces), None, poses)
+    vertex = order[mixed]
+    errors = head.errors(keys, vertices, head.offsets[:, vertex], left[vertex] & (vertex < FACE))
+    # Measured 1.53; 1.64 and 1.96 where keys turned by what half a face seems to be turned by.
+    assert np.median(errors) < 1.6 * Head(data).best(person[:FACE])
 
 
 @pytest.mark.parametrize("wrong", [[33], [48, 54]])

@@ -11,6 +11,7 @@
 //! Two that are exchanged, as left and right are, bear each other out where there are few: they are found by how much
 //! better all lie with the two changed back.
 
+use super::markers::ELSEWHERE;
 use crate::Vec3;
 use crate::geometry::rigid::Alignment;
 use crate::linear::dense;
@@ -40,6 +41,11 @@ const MOST: f64 = 0.2;
 /// than these one is better without any.
 const EXCHANGED: f64 = 0.5;
 const FEWEST_EXCHANGED: usize = 6;
+
+/// One of a few is apart where the others lie by a similarity within this share of how far it is off then; of fewer than
+/// these any is.
+const APART: f64 = 0.15;
+const FEWEST_APART: usize = 6;
 
 /// A marker or a curve that lies where the others do not put it.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,6 +77,12 @@ pub fn doubtful(markers: &[(Vec3, Vec3)], tolerance: f64) -> Doubts {
         found.extend(pair);
         kept.retain(|i| pair.iter().all(|(j, _)| i != j));
     }
+    if (FEWEST_APART..FEWEST).contains(&kept.len()) {
+        if let Some((apart, by)) = apart(markers, &kept) {
+            found.push((apart, by));
+            kept.retain(|&i| i != apart);
+        }
+    }
     while kept.len() >= FEWEST && (found.len() as f64) < most {
         let all: Vec<[f64; 2]> = kept.iter().map(|&i| off(markers, &kept, i)).collect();
         let median = |which: usize| {
@@ -88,6 +100,20 @@ pub fn doubtful(markers: &[(Vec3, Vec3)], tolerance: f64) -> Doubts {
     }
     found.sort_unstable_by_key(|&(i, _)| i);
     Doubts { markers: found, scatter }
+}
+
+/// The one marker among a few `kept` without which the others lie by a similarity much better, and how far it is off: by
+/// more than proportions explain.
+fn apart(markers: &[(Vec3, Vec3)], kept: &[usize]) -> Option<(usize, f64)> {
+    let without = |&i: &usize| {
+        let others = || kept.iter().filter(|&&j| j != i).map(|&j| markers[j]);
+        let fit = Alignment::of(others()).similar();
+        let squares = others().map(|(from, to)| fit.apply(from).distance_squared(to)).sum::<f64>();
+        let scatter = (squares / (kept.len() - 1) as f64).sqrt();
+        (i, fit.apply(markers[i].0).distance(markers[i].1), scatter)
+    };
+    let (i, off, scatter) = kept.iter().map(without).min_by(|a, b| a.2.total_cmp(&b.2))?;
+    (off > ELSEWHERE && scatter < APART * off).then_some((i, off))
 }
 
 /// The two markers among `kept` that are exchanged, and how far each is off; by more than a few times the tolerance.
@@ -186,6 +212,20 @@ mod tests {
                 (wrong[0].1, wrong[other].1) = (right[other].1, right[0].1);
                 let found: Vec<usize> = doubtful(&wrong, 0.01).markers.iter().map(|d| d.0).collect();
                 assert_eq!(found, [0, other], "{seed} {count}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_of_a_few_that_is_elsewhere_is_found_and_no_other() {
+        for seed in 0..40 {
+            for count in 6..FEWEST {
+                let mut wrong = markers(count, seed, 0.02);
+                assert!(doubtful(&wrong, 0.01).markers.is_empty(), "{seed} {count}");
+                let at = seed % count;
+                wrong[at].1 += Vec3::new(0.15, -0.1, 0.2);
+                let found: Vec<usize> = doubtful(&wrong, 0.01).markers.iter().map(|d| d.0).collect();
+                assert_eq!(found, [at], "{seed} {count}");
             }
         }
     }

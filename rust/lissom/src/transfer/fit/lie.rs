@@ -8,6 +8,9 @@ use crate::{Mat3, Mesh, Vec3, rotation};
 /// Turns below are within what heads of the same bearing, marked by hand or laid on each other, seem to be turned by.
 const WORTH_DEGREES: f64 = 5.0;
 
+/// Keys turn along in full from so many degrees beyond on, so that no fit is between two answers.
+const ALL_BEYOND: f64 = 2.5;
+
 /// Fewer markers, and shapes alone, tell the turn less exactly than the fitted surface does: three on a face are off by
 /// 5 to 8 degrees, it is by 1 or 2.
 const SURE: usize = 6;
@@ -44,8 +47,10 @@ impl Lie {
     pub fn settled_turn(&self, source: &Mesh, x: &[Vec3]) -> Mat3 {
         let by_few = self.markers.len() < SURE;
         let fitted = || Alignment::of(source.rest().iter().copied().zip(x.iter().copied())).rotation();
-        let turn = if by_few { Some(fitted()).filter(|&turn| is_worth(turn)) } else { self.turn };
-        turn.unwrap_or(Mat3::IDENTITY)
+        let turn = if by_few { fitted() } else { self.turn.unwrap_or(Mat3::IDENTITY) };
+        let log = rotation::log(turn);
+        let beyond = (log.length().to_degrees() - WORTH_DEGREES) / ALL_BEYOND;
+        if beyond > 0.0 { rotation::exp(log * beyond.min(1.0)) } else { Mat3::IDENTITY }
     }
 
     /// By the shapes of `source` and target; what is yet to be followed is `scatter` off.

@@ -6,10 +6,10 @@
 use super::curves::{self, Curve, Matched};
 use super::doubtful::{Doubtful, doubtful};
 use super::lie::Lie;
-use super::markers::{self, Marker, PROPORTIONS};
+use super::markers::{self, ELSEWHERE, Marker, PROPORTIONS};
 use super::options::FitOptions;
 use super::side::{Placed, Side};
-use crate::transfer::alignment;
+use crate::transfer::alignment::{self, Found};
 use crate::transfer::correspondence::CurvePoint;
 use crate::{Error, Fault, Job, Mat3, Mesh, Result, Vec3};
 
@@ -77,7 +77,7 @@ impl Marked {
         let curves = curves::check(source, target, &options.curves)?;
         let places = found.iter().map(|m| (m.rest, m.goal)).chain(curves.iter().map(Curve::centroids));
         let places: Vec<(Vec3, Vec3)> = places.collect();
-        let doubts = doubtful(&places, tolerance);
+        let mut doubts = doubtful(&places, tolerance);
         if !options.points.is_empty() {
             warnings.extend(markers::beside(&onto.surface, &found));
         }
@@ -88,14 +88,31 @@ impl Marked {
                 100.0 * doubts.scatter
             ));
         }
+        let by_shapes = match markers {
+            Some(_) => None,
+            None => Some(alignment::align(
+                source,
+                target,
+                &source_side.masked_vertex,
+                &onto.side.masked_vertex,
+                options.most_turn,
+                job,
+            )?),
+        };
+        // Few curves may bear each other out where the shapes say that they lie elsewhere.
+        if let Some(found) = by_shapes.filter(|found| found.certainty >= UNSURE) {
+            let off = |i: usize| (i, found.similarity.apply(places[i].0).distance(places[i].1));
+            doubts.markers = (0..places.len()).map(off).filter(|&(_, off)| off > ELSEWHERE).collect();
+        }
         let kept = |i: usize| tolerance == 0.0 || doubts.markers.iter().all(|d| d.0 != i);
         let trusted: Vec<_> = (0..places.len()).filter(|&i| kept(i)).map(|i| places[i]).collect();
         let open = markers::left_open(&trusted);
-        let mut lie = if markers.is_some() || open.is_none() {
-            warnings.extend(open);
-            Lie::of(&trusted, Vec::new(), doubts.scatter)
-        } else {
-            without_markers(source_side, onto.side, options, warnings, job)?
+        let mut lie = match by_shapes.filter(|_| open.is_some()) {
+            Some(found) => without_markers(&found, source, tolerance, warnings)?,
+            None => {
+                warnings.extend(open);
+                Lie::of(&trusted, Vec::new(), doubts.scatter)
+            }
         };
         let followed = (0..found.len()).filter(|&i| kept(i)).map(|i| found[i]);
         lie.markers = followed.collect();
@@ -132,21 +149,7 @@ fn checked(source: &Mesh, target: &Mesh, markers: &[[u32; 2]], options: &FitOpti
 }
 
 /// How the meshes lie on each other by their shapes alone.
-fn without_markers(
-    source: &Side,
-    target: &Side,
-    options: &FitOptions,
-    warnings: &mut Vec<String>,
-    job: &Job,
-) -> Result<Lie> {
-    let found = alignment::align(
-        source.mesh,
-        target.mesh,
-        &source.masked_vertex,
-        &target.masked_vertex,
-        options.most_turn,
-        job,
-    )?;
+fn without_markers(found: &Found, source: &Mesh, tolerance: f64, warnings: &mut Vec<String>) -> Result<Lie> {
     if found.certainty < GUESSED {
         let problem = "none given, and the meshes have too little in common to lie on each other without: mark at \
                        least three pairs of vertices";
@@ -159,7 +162,7 @@ fn without_markers(
             100.0 * found.certainty
         ));
     }
-    Ok(Lie::by(&found, source.mesh, options.marker_tolerance))
+    Ok(Lie::by(found, source, tolerance))
 }
 
 impl LedBy {

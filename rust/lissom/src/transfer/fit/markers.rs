@@ -23,6 +23,9 @@ const TURNED_DEGREES: f64 = 60.0;
 /// by 0.03.
 pub const PROPORTIONS: f64 = 0.06;
 
+/// Nor do they put any single place further from where a similarity puts it, in the target's unit coordinates.
+pub const ELSEWHERE: f64 = 2.0 * PROPORTIONS;
+
 /// Targets that are further from the surface than this are not on it, in its unit coordinates.
 const BESIDE: f64 = 0.05;
 
@@ -53,7 +56,8 @@ impl Marker {
         self.weights == Vec3::X && !self.is_of_curve()
     }
 
-    fn is_of_curve(&self) -> bool {
+    /// Whether it may slide along a curve.
+    pub fn is_of_curve(&self) -> bool {
         self.tangent != Vec3::ZERO
     }
 

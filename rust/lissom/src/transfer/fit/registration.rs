@@ -76,6 +76,10 @@ const QUARTILES: f64 = 4.0;
 /// coarse one will do.
 const BOTH_SIDES: f64 = 0.7;
 
+/// Fewer markers leave most of the way to the surfaces, which then take twice the rounds before both sides are looked up:
+/// with less a mouth may be pulled tight while it is still beside the target's.
+const LED: usize = 6;
+
 /// The mean of a plane's weights over the directions, times this, is the metric: measured, 0.9 converges fastest.
 const METRIC: f64 = 0.9;
 
@@ -188,6 +192,7 @@ impl<'a> Part<'a> {
     fn pull(&self, energy: &mut Energy, u: &mut [Vec3], steps: Range<usize>) -> Result<()> {
         let Self { source, target, markers, options, job, .. } = *self;
         let (n, scatter) = (source.mesh.vertices().len(), self.lie.scatter);
+        let led_by = markers.iter().filter(|m| !m.is_of_curve()).count();
         let exact = options.marker_tolerance == 0.0;
         let other_proportions = (EXPLAINED * options.marker_tolerance..PROPORTIONS).contains(&scatter);
         let trust = match other_proportions {
@@ -208,7 +213,8 @@ impl<'a> Part<'a> {
                 energy.refer(u);
             }
             let mut descent = None;
-            for round in 0..options.rounds {
+            let creeping = led_by < LED && fraction < BOTH_SIDES;
+            for round in 0..options.rounds * if creeping { 2 } else { 1 } {
                 let placed = Placed::again(source, &u[..n], surface.take());
                 let mut pulls = look_up.forth(&placed, pull * DIAGONAL_SQUARED, reach, job)?;
                 if fraction >= BOTH_SIDES {
@@ -227,7 +233,8 @@ impl<'a> Part<'a> {
                 }
                 job.check()?;
                 descent.iter_mut().for_each(|descent| descent.go(&pulls, u, 1));
-                job.report(0.1 + 0.8 * (step * options.rounds + round + 1) as f64 / total as f64, "fit");
+                let done = step * options.rounds + (round + 1).min(options.rounds);
+                job.report(0.1 + 0.8 * done as f64 / total as f64, "fit");
             }
         }
         Ok(())
