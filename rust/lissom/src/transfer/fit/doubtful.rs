@@ -9,7 +9,8 @@
 //! since a wrong marker spoils what is said of those beside it.
 //!
 //! Two that are exchanged, as left and right are, bear each other out where there are few: they are found by how much
-//! better all lie with the two changed back.
+//! better all lie with the two changed back. One of a few that is quite elsewhere is found in the same way, by how well the
+//! others lie without it.
 
 use super::markers::ELSEWHERE;
 use crate::Vec3;
@@ -77,11 +78,11 @@ pub fn doubtful(markers: &[(Vec3, Vec3)], tolerance: f64) -> Doubts {
         found.extend(pair);
         kept.retain(|i| pair.iter().all(|(j, _)| i != j));
     }
-    if (FEWEST_APART..FEWEST).contains(&kept.len()) {
-        if let Some((apart, by)) = apart(markers, &kept) {
-            found.push((apart, by));
-            kept.retain(|&i| i != apart);
-        }
+    if (FEWEST_APART..FEWEST).contains(&kept.len())
+        && let Some((apart, by)) = apart(markers, &kept)
+    {
+        found.push((apart, by));
+        kept.retain(|&i| i != apart);
     }
     while kept.len() >= FEWEST && (found.len() as f64) < most {
         let all: Vec<[f64; 2]> = kept.iter().map(|&i| off(markers, &kept, i)).collect();

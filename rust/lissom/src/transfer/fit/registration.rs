@@ -116,7 +116,13 @@ pub fn register(
     }
     whole.pull(&mut energy, &mut u, done..options.steps)?;
     u.truncate(source.mesh.vertices().len());
-    Ok((u, options.steps * options.rounds))
+    let twice = if is_creeping(&lie.markers) { coarse_steps } else { 0 };
+    Ok((u, (options.steps + twice) * options.rounds))
+}
+
+/// Whether these leave most of the way to the surfaces; curves lead what is beside them only.
+fn is_creeping(markers: &[Marker]) -> bool {
+    markers.iter().filter(|m| !m.is_of_curve()).count() < LED
 }
 
 /// The source, or a coarse one, on its way to the target.
@@ -192,7 +198,6 @@ impl<'a> Part<'a> {
     fn pull(&self, energy: &mut Energy, u: &mut [Vec3], steps: Range<usize>) -> Result<()> {
         let Self { source, target, markers, options, job, .. } = *self;
         let (n, scatter) = (source.mesh.vertices().len(), self.lie.scatter);
-        let led_by = markers.iter().filter(|m| !m.is_of_curve()).count();
         let exact = options.marker_tolerance == 0.0;
         let other_proportions = (EXPLAINED * options.marker_tolerance..PROPORTIONS).contains(&scatter);
         let trust = match other_proportions {
@@ -213,7 +218,7 @@ impl<'a> Part<'a> {
                 energy.refer(u);
             }
             let mut descent = None;
-            let creeping = led_by < LED && fraction < BOTH_SIDES;
+            let creeping = is_creeping(markers) && fraction < BOTH_SIDES;
             for round in 0..options.rounds * if creeping { 2 } else { 1 } {
                 let placed = Placed::again(source, &u[..n], surface.take());
                 let mut pulls = look_up.forth(&placed, pull * DIAGONAL_SQUARED, reach, job)?;
