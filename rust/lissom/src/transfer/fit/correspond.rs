@@ -85,7 +85,7 @@ pub fn fit_correspondence(
         conclude(&Placed::new(&source_side, &x), &onto, options.match_distance, report, false, job)?;
     fit.report.doubt_what_is_uncovered();
     (fit.rest, fit.coefficients) = morph.told(source);
-    fit.matches.turn = lie.settled_turn(source, &x);
+    fit.matches.turn = lie.settled_turn(source, &x, !options.modes.is_empty());
     fit.matches.curves = led.curves;
     let in_units = |off: Vec<f64>| off.into_iter().map(|off| off * target.frame().scale).collect();
     [fit.marker_distances, fit.curve_distances] = led.off.map(in_units);

@@ -8,7 +8,8 @@ use crate::{Mat3, Mesh, Vec3, rotation};
 /// Turns below are within what heads of the same bearing, marked by hand or laid on each other, seem to be turned by.
 const WORTH_DEGREES: f64 = 5.0;
 
-/// Keys turn along in full from so many degrees beyond on, so that no fit is between two answers.
+/// By a fitted surface alone keys turn along in full from so many degrees beyond on: a part of a head, half a face, seems
+/// to be turned by as much.
 const ALL_BEYOND: f64 = 2.5;
 
 /// Fewer markers, and shapes alone, tell the turn less exactly than the fitted surface does: three on a face are off by
@@ -43,14 +44,17 @@ impl Lie {
         Self { markers, scatter, turn, size, shift, certainty: 1.0 }
     }
 
-    /// The rotation by which keys turn along, with the source's vertices fitted to `x`.
-    pub fn settled_turn(&self, source: &Mesh, x: &[Vec3]) -> Mat3 {
-        let by_few = self.markers.len() < SURE;
-        let fitted = || Alignment::of(source.rest().iter().copied().zip(x.iter().copied())).rotation();
-        let turn = if by_few { fitted() } else { self.turn.unwrap_or(Mat3::IDENTITY) };
+    /// The rotation by which keys turn along, with the source's vertices fitted to `x`; by a fit `with_modes` it is
+    /// surer than by a surface alone.
+    pub fn settled_turn(&self, source: &Mesh, x: &[Vec3], with_modes: bool) -> Mat3 {
+        if self.markers.len() >= SURE {
+            return self.turn.unwrap_or(Mat3::IDENTITY);
+        }
+        let turn = Alignment::of(source.rest().iter().copied().zip(x.iter().copied())).rotation();
         let log = rotation::log(turn);
-        let beyond = (log.length().to_degrees() - WORTH_DEGREES) / ALL_BEYOND;
-        if beyond > 0.0 { rotation::exp(log * beyond.min(1.0)) } else { Mat3::IDENTITY }
+        let beyond = log.length().to_degrees() - WORTH_DEGREES;
+        let share = if with_modes { 1.0 } else { (beyond / ALL_BEYOND).min(1.0) };
+        if beyond > 0.0 { rotation::exp(log * share) } else { Mat3::IDENTITY }
     }
 
     /// By the shapes of `source` and target; what is yet to be followed is `scatter` off.
