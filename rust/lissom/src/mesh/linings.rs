@@ -9,7 +9,8 @@
 //! with the exposures `x` of triangles. A rim is where these jump: such edges cost a third (Boykov & Jolly 2001,
 //! Interactive Graph Cuts).
 
-use super::Mesh;
+use super::adjacency::Adjacency;
+use crate::Vec3;
 use crate::geometry::cut::Cut;
 use crate::geometry::exposure::exposures;
 
@@ -21,32 +22,30 @@ const SEEN: f64 = 0.7;
 const JUMP: f64 = 0.15;
 const LEAST: f64 = 0.5;
 
-impl Mesh {
-    /// The input triangles that line a pocket: one sees them from nowhere, or they are behind the shortest loop of
-    /// edges that parts those from what one sees. None does where nothing is seen.
-    pub fn linings(&self) -> Vec<u32> {
-        let count = self.triangles.len();
-        let [pocket, space] = [count as u32, count as u32 + 1];
-        let mut cut = Cut::new(count + 2);
-        let exposures = exposures(self.rest(), &self.outward_triangles());
-        for (t, &exposure) in (0..).zip(&exposures) {
-            if exposure <= HIDDEN {
-                cut.join(pocket, t, f64::INFINITY);
-            } else if exposure >= SEEN {
-                cut.join(t, space, f64::INFINITY);
-            }
+/// Of each of the triangles, which face outward, whether it lines a pocket: one sees it from nowhere, or it is behind the
+/// shortest loop of edges that parts such from what one sees. None does where nothing is hidden.
+pub(super) fn linings(rest: &[Vec3], outward: &[[u32; 3]], adjacency: &Adjacency) -> Vec<bool> {
+    let [pocket, space] = [0, 1].map(|k| (outward.len() + k) as u32);
+    let mut cut = Cut::new(outward.len() + 2);
+    let exposures = exposures(rest, outward);
+    for (t, &exposure) in (0..).zip(&exposures) {
+        if exposure <= HIDDEN {
+            cut.join(pocket, t, f64::INFINITY);
+        } else if exposure >= SEEN {
+            cut.join(t, space, f64::INFINITY);
         }
-        for (e, &[a, b]) in self.adjacency.edges().iter().enumerate() {
-            let length = self.rest()[a as usize].distance(self.rest()[b as usize]);
-            for pair in self.adjacency.sides_of(e).windows(2) {
-                let [s, t] = [pair[0].triangle, pair[1].triangle];
-                let jump = (exposures[s as usize] - exposures[t as usize]) / JUMP;
-                cut.join(s, t, length * (LEAST + (-jump * jump).exp()));
-            }
-        }
-        let lines = self.triangle_ids().iter().zip(cut.side(pocket, space));
-        lines.filter(|(_, lines)| *lines).map(|(&t, _)| t).collect()
     }
+    for (e, &[a, b]) in adjacency.edges().iter().enumerate() {
+        let length = rest[a as usize].distance(rest[b as usize]);
+        for pair in adjacency.sides_of(e).windows(2) {
+            let [s, t] = [pair[0].triangle, pair[1].triangle];
+            let jump = (exposures[s as usize] - exposures[t as usize]) / JUMP;
+            cut.join(s, t, length * (LEAST + (-jump * jump).exp()));
+        }
+    }
+    let mut lines = cut.side(pocket, space);
+    lines.truncate(outward.len());
+    lines
 }
 
 #[cfg(test)]

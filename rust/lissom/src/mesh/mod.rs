@@ -284,6 +284,12 @@ impl Mesh {
         orientation::outward(&self.triangles, &self.adjacency, &self.rest)
     }
 
+    /// The input triangles that line a pocket, as mouth bags and eye sockets do ([`linings`]).
+    pub fn linings(&self) -> Vec<u32> {
+        let lines = linings::linings(self.rest(), &self.outward_triangles(), &self.adjacency);
+        self.triangle_ids().iter().zip(lines).filter(|(_, lines)| *lines).map(|(&t, _)| t).collect()
+    }
+
     /// Area of each triangle in unit coordinates.
     pub fn areas(&self) -> &[f64] {
         &self.geometry.areas
