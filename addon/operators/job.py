@@ -123,6 +123,7 @@ class JobOperator:
         if not work.poll():
             self._show(context, work)
             return {"PASS_THROUGH"}
+        session.work = None  # what follows, as a review, is not to wait for it
         return self.finish(context, work.result)
 
     def cancel(self, context):

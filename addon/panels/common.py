@@ -53,9 +53,12 @@ def shares(texts):
     return [(place, own / max(sum(needed[place:]), 1.0)) for place, own in enumerate(needed)]
 
 
-def name_part(name, beside):
-    """The part of a list's row that a whole name needs, with ``beside`` of pixels at a scale of 1."""
-    return min((_width(name) + beside * _scale()) / _room(0), 0.85)
+def name_part(name, beside, margin):
+    """The part of a list's row that a whole name needs with ``beside``, where the list needs ``margin``.
+
+    Both are pixels at a scale of 1.
+    """
+    return min((_width(name) + beside * _scale()) / _room(margin), 0.85)
 
 
 def fits(text, beside):

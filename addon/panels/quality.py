@@ -7,7 +7,7 @@ from ..jobs.corrections import is_edited
 from ..translations import translated
 from .common import draw_lines, fits, labelled, name_part
 
-BESIDE, LIST = 34, 30  # pixels: the verdict before a name, and what a list has beside its rows
+BESIDE, LIST = 44, 30  # pixels: the verdict before a name, and what a list has beside its rows
 VERDICT_ICONS = {"good": "CHECKMARK", "look": "INFO", "bad": "ERROR"}
 
 
@@ -17,15 +17,19 @@ class LISSOM_UL_quality(bpy.types.UIList):
     bl_idname = "LISSOM_UL_quality"
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property):
-        split = layout.split(factor=name_part(item.name, BESIDE))
+        edited = data.target is not None and is_edited(data.target, item.name)
+        said = _said(data, item)
+        if not fits(item.name + said, BESIDE + LIST):  # it is below the table, for the active row
+            said = ""
+        # A name has the whole row where nothing is beside it.
+        split = layout.split(factor=name_part(item.name, BESIDE, LIST)) if edited or said else layout.row()
         split.alert = item.verdict == "bad"
         split.label(text=item.name, translate=False, icon=VERDICT_ICONS[item.verdict])
-        row = split.row(align=True)
-        row.alignment = "RIGHT"
-        if data.target is not None and is_edited(data.target, item.name):
-            row.label(text="", icon="SCULPTMODE_HLT")
-        said = _said(data, item)
-        if said and fits(item.name + said, BESIDE + LIST):  # else below the table, for the active row
+        if edited or said:
+            row = split.row(align=True)
+            row.alignment = "RIGHT"
+            if edited:
+                row.label(text="", icon="SCULPTMODE_HLT")
             row.label(text=said, translate=False)
 
     def filter_items(self, context, data, property_name):

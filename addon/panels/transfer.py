@@ -150,8 +150,11 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         split_column(box).prop(settings, "face_names")
         for part in settings.target_parts:
             if part.object is not None:
-                found = f", found: {part.found}" if part.found else ""
-                split_column(box).prop(part, "kind", text=part.object.name + found, translate=False)
+                split_column(box).prop(part, "kind", text=part.object.name, translate=False)
+            if part.found:
+                labels = part.bl_rna.properties["kind"].enum_items
+                found = (translated(labels[kind].name) for kind in part.found.split(", "))
+                draw_lines(box, "NONE", f"Found: {', '.join(found)}")
         row = box.row()
         row.scale_y = 1.4
         row.operator("lissom.face_keys", icon="SHAPEKEY_DATA").names = settings.face_names

@@ -435,8 +435,9 @@ def test_names_have_the_room_that_they_need(monkeypatch):
     monkeypatch.setattr(common, "_width", lambda text: 7 * len(text))  # Blender as a module has no font
     monkeypatch.setattr(common, "_scale", lambda: 1.0)
     name, room = "mouthSmileLeft", common._room(0)
-    assert 7 * len(name) + 34 <= common.name_part(name, 34) * room < room
-    assert common.name_part(5 * name, 34) == 0.85  # what is measured stays in sight
+    row = common._room(30)
+    assert 7 * len(name) + 34 <= common.name_part(name, 34, 30) * row < row
+    assert common.name_part(5 * name, 34, 30) == 0.85  # what is measured stays in sight
     layout = types.SimpleNamespace(row=lambda **_: "row", column=lambda **_: "column")
     assert common.side_by_side(layout, "Apply", "And Next") == "row"
     assert common.side_by_side(layout, "Show Fit", "Suggest Marker") == "column"

@@ -19,6 +19,7 @@ import mathutils
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import heads
 import scene
 
 PREVIEW = "Lissom Pose"
@@ -441,6 +442,25 @@ def check_a_review_shows_keys_in_two_linked_views_and_leaves_nothing_changed():
         bpy.ops.lissom.review("INVOKE_DEFAULT")  # Done, from there too
     yield from until(lambda: len(views()) == 1, 10.0)
     assert review_state() == before
+
+
+def check_a_review_opens_after_face_keys_are_pressed():
+    new_file()
+    head = heads.made("mask")
+    for name, (vertices, triangles) in zip(
+        ("Head", "Left", "Right"), ((head.vertices, head.triangles), *head.eyes), strict=True
+    ):
+        mesh = bpy.data.meshes.new(name)
+        mesh.from_pydata(vertices.tolist(), [], triangles.tolist())
+        bpy.context.collection.objects.link(bpy.data.objects.new(name, mesh))
+    yield
+    with view():
+        bpy.ops.lissom.face_keys("INVOKE_DEFAULT", target="Head", parts="Left\nRight")
+    yield from until(lambda: session.review is not None, 120.0)
+    assert session.review.key and len(views()) == 2
+    with view():
+        bpy.ops.lissom.review("INVOKE_DEFAULT")
+    yield from until(lambda: len(views()) == 1, 10.0)
 
 
 def view():
