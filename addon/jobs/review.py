@@ -149,9 +149,9 @@ class Review:
             self._give_back(context)
 
     def _give_back(self, context):
-        self.lift()
         settings, layer = context.scene.lissom_transfer, context.view_layer
-        settings.active_quality = self._row
+        settings.active_quality = self._row  # its key becomes the active one
+        self.lift()
         for obj in layer.objects:
             obj.select_set(obj.name in self._selected)
         layer.objects.active = layer.objects.get(self._active) if self._active else None

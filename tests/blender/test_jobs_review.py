@@ -20,7 +20,7 @@ def reviewed():
     bpy.ops.lissom.transfer_keys()
     target.data.shape_keys.key_blocks["ears"].driver_add("value").driver.expression = "0.25"
     target.data.shape_keys.key_blocks["squash"].value = 0.5
-    target.active_shape_key_index, source.active_shape_key_index = 1, 2
+    target.active_shape_key_index, source.active_shape_key_index = 0, 2
     source.show_only_shape_key = True
     bpy.context.view_layer.objects.active = source
     bpy.context.view_layer.update()

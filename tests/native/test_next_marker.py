@@ -40,7 +40,7 @@ def test_suggested_markers_help(data):
         assert vertex not in markers and counterpart == nearest(known, fit.fitted_vertices[vertex], markers)
         markers.append(vertex)
         fit, after = fitted(markers)
-    # Measured 0.51 and 0.46. The first few do not: by four markers this fit is nearly there, by six it is at 0.63.
+    # Measured 0.51 and 0.46. The first few do not: by four markers this fit is nearly there, by six at 0.63.
     assert after < 0.97 * before
 
 
