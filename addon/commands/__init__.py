@@ -1,6 +1,6 @@
 """``blender --command lissom ...``: a command is a module with SUMMARY, configure(parser) and run(arguments).
 
-Exit codes: 0 done, 2 bad input, 3 partly done, 130 cancelled.
+Exit codes are those of ``outputs``.
 """
 
 import argparse
@@ -9,10 +9,9 @@ import bpy
 import lissom
 
 from ..core.refused import Refused
-from . import face, image, inbetween, learn, transfer
+from . import face, image, inbetween, learn, outputs, transfer
 
 COMMANDS = {"face": face, "image": image, "inbetween": inbetween, "learn": learn, "transfer": transfer}
-BAD_INPUT, CANCELLED = 2, 130
 
 _handle = None
 
@@ -28,7 +27,7 @@ def main(words):
             word.encode()
         except UnicodeEncodeError:  # names and paths in Blender are UTF-8
             print(f"Error: {word!a} is not UTF-8: rename the file or folder first")
-            return BAD_INPUT
+            return outputs.BAD_INPUT
     try:
         arguments = parser.parse_args(words)
     except SystemExit as end:  # argparse has said why; --help ends with 0
@@ -37,10 +36,10 @@ def main(words):
         return COMMANDS[arguments.command].run(arguments)
     except (KeyboardInterrupt, lissom.Cancelled):
         print("Cancelled")
-        return CANCELLED
+        return outputs.CANCELLED
     except (Refused, lissom.Error, RuntimeError, OSError) as error:
-        print(f"Error: {str(error).removeprefix('Error: ').strip()}")
-        return BAD_INPUT
+        outputs.say_errors([str(error)])
+        return outputs.BAD_INPUT
 
 
 def register():

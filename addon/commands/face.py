@@ -15,7 +15,6 @@ from ..jobs.face import FaceAsked, FaceKeys
 from . import outputs, strengths
 
 SUMMARY = "give a head the shape keys of a whole face, found by its shape alone"
-BAD_INPUT = 2
 
 
 def configure(parser):
@@ -71,7 +70,7 @@ def run(arguments):
         seconds = round(time.perf_counter() - started, 3)
         write_json(arguments.report, asdict(done) | {"errors": errors, "seconds": seconds})
     if done.stopped:
-        print(f"Error: {done.summary}")
-        return BAD_INPUT
+        outputs.say_errors([done.summary])
+        return outputs.BAD_INPUT
     outputs.say(done)
     return outputs.say_errors(errors)

@@ -9,7 +9,6 @@ from ..jobs.image import ImageAsked, ImageMesh, lay_second
 from . import outputs
 
 SUMMARY = "make a flat mesh of an image, or lay a second image under the end of its arc"
-DONE = 0
 
 
 def configure(parser):
@@ -43,7 +42,7 @@ def run(arguments):
         done = lay_second(bpy.context, arguments.object, arguments.slider, filepath=image)
     outputs.save(arguments.out)
     outputs.say(done)
-    return DONE
+    return outputs.DONE
 
 
 def _check(arguments):

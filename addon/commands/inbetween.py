@@ -16,7 +16,6 @@ from . import outputs
 
 SUMMARY = "bake the arc between two shape keys as keys under one slider"
 STEPS = 7  # of the contact sheet
-DONE, BAD_INPUT, PARTLY_DONE = 0, 2, 3
 
 
 def configure(parser):
@@ -64,10 +63,10 @@ def run(arguments):
             write_json(arguments.report, report)
     except (Refused, RuntimeError, OSError) as error:
         _failed(str(error))
-        return PARTLY_DONE if done else BAD_INPUT
+        return outputs.PARTLY_DONE if done else outputs.BAD_INPUT
     if len(done) == len(baked):
-        return DONE
-    return PARTLY_DONE if done else BAD_INPUT
+        return outputs.DONE
+    return outputs.PARTLY_DONE if done else outputs.BAD_INPUT
 
 
 def _check(arguments):
@@ -122,5 +121,5 @@ def _bake(obj, end, arguments):
 
 
 def _failed(message):
-    print(f"Error: {message.removeprefix('Error: ').strip()}")
-    return BAD_INPUT
+    outputs.say_errors([message])
+    return outputs.BAD_INPUT

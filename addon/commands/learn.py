@@ -11,7 +11,6 @@ from ..jobs.learn import Learn, LearnAsked
 from . import outputs
 
 SUMMARY = "change shape keys as those that were corrected by hand since their transfer ask for"
-DONE = 0
 STRONGEST = 2
 
 
@@ -40,4 +39,4 @@ def run(arguments):
     if arguments.report:
         write_json(arguments.report, asdict(done))
     outputs.say(done)
-    return DONE
+    return outputs.DONE

@@ -8,7 +8,7 @@ import bpy
 
 from ..core.refused import Refused
 
-DONE, PARTLY_DONE = 0, 3
+DONE, BAD_INPUT, PARTLY_DONE, CANCELLED = 0, 2, 3, 130  # exit codes
 
 
 def check(arguments, reads, writes):
@@ -63,9 +63,9 @@ def say_warnings(warnings):
 
 
 def say_errors(errors):
-    """Prints them, one a line; returns the exit code."""
+    """Prints them, one a line; returns the exit code of what was done but for these."""
     for error in errors:
-        print(f"Error: {error}")
+        print(f"Error: {error.removeprefix('Error: ').strip()}")
     return PARTLY_DONE if errors else DONE
 
 

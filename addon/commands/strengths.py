@@ -1,9 +1,7 @@
 """``--strengths``: how strong single keys are, over what was transferred."""
 
 from ..core.refused import Refused
-from ..jobs.strength import StrengthAsked, strengthen
-
-LEAST, MOST = 0.05, 10.0
+from ..jobs.strength import LEAST, MOST, StrengthAsked, strengthen
 
 
 def configure(add):

@@ -7,6 +7,8 @@ from ..bridge.written import Written
 from ..core.refused import Refused, first
 from . import Asked, Done
 
+LEAST, MOST = 0.05, 10.0
+
 
 @dataclass(kw_only=True)
 class StrengthAsked(Asked):

@@ -4,7 +4,7 @@ import bpy
 from bpy.props import BoolProperty, FloatProperty, StringProperty
 
 from ..bridge.checks import mesh_object
-from ..jobs.strength import StrengthAsked, strength_of, strengthen
+from ..jobs.strength import LEAST, MOST, StrengthAsked, strength_of, strengthen
 from .job import answering, report_done, writable_mesh
 from .objects import KEYS, OBJECT
 
@@ -25,9 +25,9 @@ class LISSOM_OT_key_strength(bpy.types.Operator):
         name="Strength",
         description="Over that of the transfer",
         default=1.0,
-        min=0.05,
+        min=LEAST,
         soft_max=2.0,
-        max=10.0,
+        max=MOST,
         options={"SKIP_SAVE"},
     )
 
