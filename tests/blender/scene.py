@@ -32,6 +32,15 @@ def monkey(levels=2, name="Monkey"):
     return obj
 
 
+def mesh_object(name, vertices, triangles):
+    """An object of (n, 3) vertices and (m, 3) triangles."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(np.asarray(vertices).tolist(), [], np.asarray(triangles).tolist())
+    obj = bpy.data.objects.new(name, mesh)
+    bpy.context.collection.objects.link(obj)
+    return obj
+
+
 def tube(rings=60, around=40, name="Tube"):
     """An open cylinder of quads along z, length 6, radius 1: one piece, (rings + 1) * around vertices."""
     angles = 2 * np.pi * np.arange(around) / around

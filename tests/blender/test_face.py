@@ -5,6 +5,7 @@ import json
 import bpy
 import numpy as np
 import pytest
+import scene
 from bl_ext.user_default.lissom import commands
 from bl_ext.user_default.lissom.bridge.written import Written
 from bl_ext.user_default.lissom.core.face_lids import Lids
@@ -12,15 +13,6 @@ from bl_ext.user_default.lissom.jobs.face import FaceAsked, FaceKeys
 from lissom import data, names
 
 SIZE = 0.07  # of the people's units in centimetres
-
-
-def made(name, vertices, triangles):
-    """An object of a part of the face."""
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(vertices.tolist(), [], triangles.tolist())
-    obj = bpy.data.objects.new(name, mesh)
-    bpy.context.collection.objects.link(obj)
-    return obj
 
 
 def positions(points):
@@ -48,7 +40,10 @@ def person():
     }.items():
         kept = np.concatenate([whole.regions[region] for region in regions])
         part = whole.only(*regions)
-        found[name] = made(name, SIZE * (part.neutral + other[np.sort(kept)]), part.triangles), part
+        found[name] = (
+            scene.mesh_object(name, SIZE * (part.neutral + other[np.sort(kept)]), part.triangles),
+            part,
+        )
     job = FaceKeys(bpy.context, FaceAsked(target="Head", parts="Eyes\nTeeth"))
     done = job.write(bpy.context, job.work.wait())
     for name, (obj, part) in found.items():
@@ -109,7 +104,7 @@ def test_what_lies_behind_lids_and_lips_does_not_hold_them():
         return SIZE * np.einsum("nk,nkd->nd", weights, values[corners])
 
     rest = slid(shape)
-    head = made("Head", rest, cut)
+    head = scene.mesh_object("Head", rest, cut)
     assert bpy.ops.lissom.face_keys(target="Head", names="ICT") == {"FINISHED"}
     known = dict(zip(whole.expression_names, map(slid, whole.expressions), strict=True))
     outside = whole.regions["face"]
@@ -165,8 +160,8 @@ def test_one_mesh_with_its_eyes_is_told_apart_and_parts_are_carried():
     person, lashes = (
         SIZE * (part.neutral + np.tensordot(amounts, part.modes[:3], 1)) for part in (whole, lash)
     )
-    head = made("Head", person, whole.triangles)
-    made("Lashes", lashes + [0, -0.01, 0], lash.triangles)
+    head = scene.mesh_object("Head", person, whole.triangles)
+    scene.mesh_object("Lashes", lashes + [0, -0.01, 0], lash.triangles)
     assert bpy.ops.lissom.face_keys(target="Head", parts="Lashes", names="ICT") == {"FINISHED"}
     blink = delta(bpy.data.objects["Lashes"], "eyeBlink_L")
     known = SIZE * lash.expressions[lash.expression_names.index("eyeBlink_L")]
@@ -181,7 +176,7 @@ def test_one_mesh_with_its_eyes_is_told_apart_and_parts_are_carried():
 def test_the_command_writes_keys_and_a_report(tmp_path):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     whole = data.face().only("face", "head_and_neck")
-    made("Head", SIZE * whole.neutral, whole.triangles)
+    scene.mesh_object("Head", SIZE * whole.neutral, whole.triangles)
     path, out, report = (str(tmp_path / name) for name in ("in.blend", "out.blend", "report.json"))
     bpy.ops.wm.save_as_mainfile(filepath=path)
     words = [

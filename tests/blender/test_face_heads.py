@@ -6,19 +6,12 @@ import bpy
 import heads
 import numpy as np
 import pytest
+import scene
 from bl_ext.user_default.lissom.bridge import markers as bridge_markers
 from bl_ext.user_default.lissom.bridge import source_face
 from bl_ext.user_default.lissom.core.markers import Marker
 from bl_ext.user_default.lissom.core.surface import Point
 from bl_ext.user_default.lissom.jobs.face import FaceAsked, FaceKeys
-
-
-def made(name, vertices, triangles):
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(np.asarray(vertices).tolist(), [], np.asarray(triangles).tolist())
-    obj = bpy.data.objects.new(name, mesh)
-    bpy.context.collection.objects.link(obj)
-    return obj
 
 
 def delta(obj, name):
@@ -32,13 +25,13 @@ def delta(obj, name):
 def mask():
     bpy.ops.wm.read_factory_settings(use_empty=True)
     head = heads.made("mask")
-    return head, made("Mask", head.vertices, head.triangles)
+    return head, scene.mesh_object("Mask", head.vertices, head.triangles)
 
 
 def test_a_mask_gets_keys_without_a_click_and_its_lids_close(mask):
     head, obj = mask
     for name, eye in zip(("Left", "Right"), head.eyes, strict=True):
-        made(name, *eye)
+        scene.mesh_object(name, *eye)
     job = FaceKeys(bpy.context, FaceAsked(target="Mask", parts="Left\nRight"))
     done = job.write(bpy.context, job.work.wait())
     assert not done.stopped and done.sure > 0.75 and len(done.written["Mask"]) == 51
@@ -66,9 +59,9 @@ def test_a_bag_behind_the_mouth_and_sockets_behind_the_eyes_hide_no_opening(name
     """Most artists close what is behind lips and lids, so that nothing there is a border."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     head = heads.closed(heads.made(name))
-    obj = made("Head", head.vertices, head.triangles)
+    obj = scene.mesh_object("Head", head.vertices, head.triangles)
     for side, eye in zip(("Left", "Right"), head.eyes, strict=True):
-        made(side, *eye)
+        scene.mesh_object(side, *eye)
     job = FaceKeys(bpy.context, FaceAsked(target="Head", parts="Left\nRight"))
     done = job.write(bpy.context, job.work.wait())
     assert not done.stopped and done.sure > 0.75
@@ -84,7 +77,7 @@ def test_a_bag_behind_the_mouth_and_sockets_behind_the_eyes_hide_no_opening(name
 def test_without_a_clue_it_asks_and_goes_on_with_what_was_clicked(mask):
     head, obj = mask
     corners = [[0.05, -0.5, -0.5], [-0.05, -0.5, -0.5], [0, -0.4, -0.5], [0, -0.45, -0.55]]
-    made("Gum", corners, [[0, 1, 2], [0, 1, 3]])
+    scene.mesh_object("Gum", corners, [[0, 1, 2], [0, 1, 3]])
     with pytest.raises(RuntimeError, match="No key is made"):
         bpy.ops.lissom.face_keys(target="Mask")
     settings = bpy.context.scene.lissom_transfer

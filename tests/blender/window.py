@@ -450,9 +450,7 @@ def check_a_review_opens_after_face_keys_are_pressed():
     for name, (vertices, triangles) in zip(
         ("Head", "Left", "Right"), ((head.vertices, head.triangles), *head.eyes), strict=True
     ):
-        mesh = bpy.data.meshes.new(name)
-        mesh.from_pydata(vertices.tolist(), [], triangles.tolist())
-        bpy.context.collection.objects.link(bpy.data.objects.new(name, mesh))
+        scene.mesh_object(name, vertices, triangles)
     yield
     with view():
         bpy.ops.lissom.face_keys("INVOKE_DEFAULT", target="Head", parts="Left\nRight")
