@@ -8,6 +8,7 @@ from mathutils import Matrix
 
 from ..core.framing import framed, free_span, upright
 from ..core.refused import Refused
+from .generative import evaluated
 from .meshes import positions
 
 SENSOR = 72.0  # millimetres: what a view shows at a distance of its lens; Blender doubles the 36 of a camera
@@ -115,9 +116,9 @@ def frame(addresses):
 
 def places(obj):
     """(n, 3): where the vertices of a mesh object are seen, in the world."""
-    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    matrix = np.array(evaluated.matrix_world)
-    return positions(evaluated.data.vertices) @ matrix[:3, :3].T + matrix[:3, 3]
+    shown = evaluated(obj)
+    matrix = np.array(shown.matrix_world)
+    return positions(shown.data.vertices) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def look_at(area, points, towards=None):

@@ -149,8 +149,9 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         draw_lines(box, "USER", "A head without face keys gets them by one press: no source, no marker")
         split_column(box).prop(settings, "face_names")
         for part in settings.target_parts:
-            if part.object is not None:
-                split_column(box).prop(part, "kind", text=part.object.name, translate=False)
+            if part.object is None:
+                continue
+            split_column(box).prop(part, "kind", text=part.object.name, translate=False)
             if part.found:
                 labels = part.bl_rna.properties["kind"].enum_items
                 found = (translated(labels[kind].name) for kind in part.found.split(", "))

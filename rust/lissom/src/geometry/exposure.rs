@@ -13,23 +13,20 @@ const RAYS: usize = 64;
 /// Cosine: flatter rays run along the surface, and meet the next bump whatever is there.
 const FLAT: f64 = 0.1;
 
-/// Of the extent of all: so far in front of a triangle its rays begin.
+/// So far in front of a triangle its rays begin, in unit coordinates.
 const OFF: f64 = 1e-5;
 
 /// Of each triangle: the part of the rays from its centre to its outer side that nothing is in the way of, 0 to 1.
+/// Vertices are in unit coordinates.
 pub fn exposures(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Vec<f64> {
     // A ray is stopped by either side of a triangle.
     let both: Vec<[u32; 3]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b, c], [a, c, b]]).collect();
     let surface = Surface::of(&both, vertices);
-    let (low, high) = vertices
-        .iter()
-        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
-    let off = OFF * (high - low).length();
     let rays = around();
     let exposure = |t: &[u32; 3]| {
         let corners = t.map(|v| vertices[v as usize]);
         let (normal, _) = normal_and_area(corners);
-        let origin = (corners[0] + corners[1] + corners[2]) / 3.0 + off * normal;
+        let origin = (corners[0] + corners[1] + corners[2]) / 3.0 + OFF * normal;
         let outward = rays.iter().filter(|ray| ray.dot(normal) > FLAT);
         let [all, open] = outward.fold([0.0, 0.0], |[all, open], &ray| {
             [all + 1.0, open + f64::from(u8::from(surface.exit(origin, ray, |_| true).is_none()))]

@@ -51,10 +51,14 @@ impl Lie {
             return self.turn.unwrap_or(Mat3::IDENTITY);
         }
         let turn = Alignment::of(source.rest().iter().copied().zip(x.iter().copied())).rotation();
+        if !is_worth(turn) {
+            return Mat3::IDENTITY;
+        }
+        if with_modes {
+            return turn;
+        }
         let log = rotation::log(turn);
-        let beyond = log.length().to_degrees() - WORTH_DEGREES;
-        let share = if with_modes { 1.0 } else { (beyond / ALL_BEYOND).min(1.0) };
-        if beyond > 0.0 { rotation::exp(log * share) } else { Mat3::IDENTITY }
+        rotation::exp(log * ((log.length().to_degrees() - WORTH_DEGREES) / ALL_BEYOND).min(1.0))
     }
 
     /// By the shapes of `source` and target; what is yet to be followed is `scatter` off.
