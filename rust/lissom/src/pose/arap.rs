@@ -9,7 +9,7 @@
 //! negative, whatever the sign of single cotangents; spokes alone need negative edge weights cut off.
 //!
 //! As published, rotations and positions are found in turn. Here the rotations are the unknowns ([`crate::stitch`],
-//! turns): every shape is the one that matches its rotations best, and the rotations descend.
+//! turns): every shape is the one that matches its rotations best, and the rotations descend (`arap_descent`).
 //!
 //! This energy stretches, but does not bend: its minimum folds a tube's elbow flat, the sharper the finer the mesh.
 //! Two terms bend, each with a length of its own that no refinement changes. `rotation_smoothing` adds
@@ -27,11 +27,12 @@
 
 use std::f64::consts::PI;
 
+use super::arap_descent::{Posing, Turned};
 use super::field;
 use super::flat::Turns;
 use super::following::{Following, Reached};
 use super::goal::Goal;
-use super::lever::{self, Lever};
+use super::lever::Lever;
 use super::method::{Method, Solution, SolveOptions};
 use super::region::Region;
 use super::rods::differences;
@@ -40,10 +41,7 @@ use crate::geometry::rigid::centroid;
 use crate::linear::ConstrainedSystem;
 use crate::matrix::trace;
 use crate::options::{choices, options};
-use crate::stitch::{
-    AtRest, Descent, Differences, Owners, Reference, Stitcher, Stop, Weights, edge_weights, refine, turned,
-    turned_less,
-};
+use crate::stitch::{Descent, Differences, Owners, Reference, Stitcher, Stop, Weights, edge_weights, refine};
 use crate::symmetry::Symmetry;
 use crate::{Job, Mat3, Quat, Result, Vec3};
 
@@ -87,47 +85,22 @@ pub(super) fn bind(region: &Region, options: &Options, job: &Job) -> Result<Box<
 #[derive(Debug)]
 pub struct Arap {
     /// Of weights times `1 - l`.
-    stitcher: Stitcher,
+    pub(super) stitcher: Stitcher,
     /// Covariances of the cells at rest.
-    rest: Vec<Mat3>,
+    pub(super) rest: Vec<Mat3>,
     /// `a` times the region's area, against weights times `1 - l`, over the number of cells of an edge.
-    rotation_smoothing: f64,
+    pub(super) rotation_smoothing: f64,
     /// What vertices own besides their edges.
-    differences: Vec<Differences>,
+    pub(super) differences: Vec<Differences>,
     /// Of the descent, where rotations are smoothed.
-    metric: Option<ConstrainedSystem>,
+    pub(super) metric: Option<ConstrainedSystem>,
     /// The last pose: rotations, and the shape.
     previous: Option<(Vec<Quat>, Reached)>,
     /// That of a solve that has not been kept yet.
     found: (Vec<Quat>, Reached),
     following: Following,
     /// Of each handle that has turned by itself: how much vertices turn along, and its compliance.
-    levers: Vec<Option<(Vec<f64>, Mat3)>>,
-}
-
-/// A region on its way to a goal.
-struct Posing<'a> {
-    arap: &'a Arap,
-    symmetry: &'a Symmetry,
-    goal: &'a Goal,
-    /// Those of the goal's pivots.
-    levers: Vec<Lever<'a>>,
-    turns: Turns,
-}
-
-/// Rotations, and the shape that matches them best.
-#[derive(Debug)]
-struct Turned {
-    rotations: Vec<Quat>,
-    /// Of the levers, further than the goal.
-    turns: Vec<Quat>,
-    displacements: Vec<Vec3>,
-    /// Half the gradient by the rotations, then by the turns.
-    torques: Vec<Vec3>,
-    /// How far each is from the one that fits best, where they are not smoothed.
-    misfits: Vec<Vec3>,
-    energy: f64,
-    size: f64,
+    pub(super) levers: Vec<Option<(Vec<f64>, Mat3)>>,
 }
 
 impl Arap {
@@ -188,7 +161,7 @@ impl Arap {
     /// the lower minimum shows only at the end. Where both are about equal, rotations are not what the pose is
     /// about, and the second leads lower.
     fn start(&self, region: &Region, goal: &Goal) -> Turned {
-        let posing = self.posing(region, goal);
+        let posing = Posing::of(self, region, goal);
         let quaternions = |rotations: Vec<Mat3>| {
             rotations.iter().map(|r| Quat::from_mat3(r).normalize()).collect::<Vec<_>>()
         };
@@ -208,15 +181,6 @@ impl Arap {
         let start = if extended.energy <= CLEARLY * rest.energy { extended } else { rest };
         // So long a step would teach the descent a wrong curvature.
         if self.metric.is_none() { posing.moved(&start, &start.misfits, 1.0) } else { start }
-    }
-
-    fn posing<'a>(&'a self, region: &'a Region, goal: &'a Goal) -> Posing<'a> {
-        let levers = goal.pivots.iter().filter_map(|&(h, pivot)| {
-            let (weights, compliance) = self.levers.get(h)?.as_ref()?;
-            Some(Lever::of(region, goal, (h, pivot), weights, *compliance))
-        });
-        let (symmetry, levers) = (region.symmetry(), levers.collect());
-        Posing { arap: self, symmetry, goal, levers, turns: Turns::of(region, goal) }
     }
 
     /// The lever of a handle: from the rest pose, turned a little, its stiffness is what resists.
@@ -249,96 +213,6 @@ impl Arap {
     }
 }
 
-impl Posing<'_> {
-    /// The shape that matches rotations best.
-    fn stitched(&self, rotations: Vec<Quat>, turns: Vec<Quat>) -> Turned {
-        let asked = self.asked(&rotations);
-        let mut displacements = [lever::asked(&self.goal.displacements, &self.levers, &turns)];
-        self.arap.stitcher.system().solve(&[&asked], &mut displacements);
-        let [displacements] = displacements;
-        self.at(rotations, turns, displacements, &asked)
-    }
-
-    /// What rotations ask of the displacements.
-    fn asked(&self, rotations: &[Quat]) -> Vec<Vec3> {
-        let mut asked = self.arap.stitcher.turn_divergence(rotations);
-        for differences in &self.arap.differences {
-            differences.add_divergence(|i, v| turned_less(rotations[i], v), &mut asked);
-        }
-        asked
-    }
-
-    /// Rotations with the shape that matches them best. `asked` is what they ask of it, where there are levers.
-    fn at(&self, rotations: Vec<Quat>, turns: Vec<Quat>, displacements: Vec<Vec3>, asked: &[Vec3]) -> Turned {
-        let Arap { stitcher, rest, rotation_smoothing, differences, .. } = self.arap;
-        let more = |i: usize| {
-            let at = differences.iter().map(|differences| differences.at(i, &displacements));
-            at.fold((Mat3::ZERO, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1))
-        };
-        let nearest = |m| self.turns.nearest(m);
-        let at_rest = AtRest { covariances: rest, smoothing: *rotation_smoothing, nearest };
-        let mut turning = stitcher.turning(at_rest, &rotations, &displacements, more);
-        // Else rounding grows where a symmetric shape is no minimum, as one that buckles.
-        self.symmetry.symmetrise_turns(&mut turning.torques);
-        if !turning.misfits.is_empty() {
-            self.symmetry.symmetrise_turns(&mut turning.misfits);
-            turning.misfits.resize(rotations.len() + turns.len(), Vec3::ZERO);
-        }
-        let soft = stitcher.system().constraints().soft();
-        let given = match soft {
-            [] => Vec::new(),
-            _ => lever::asked(&self.goal.displacements, &self.levers, &turns),
-        };
-        let missed = |&(v, weight): &(u32, f64)| {
-            weight * displacements[v as usize].distance_squared(given[v as usize])
-        };
-        let pulls: f64 = soft.iter().map(missed).sum();
-        let (energy, size) = (turning.energy + pulls, turning.size + pulls);
-        let (mut torques, misfits) = (turning.torques, turning.misfits);
-        if !self.levers.is_empty() {
-            let mut forces = stitcher.matrix().times_vectors(&displacements);
-            forces.iter_mut().zip(asked).for_each(|(force, &asked)| *force -= asked);
-            lever::add_torques(&mut torques, &self.levers, (&rotations, &turns), &forces);
-        }
-        self.turns.project(&mut torques);
-        Turned { rotations, turns, displacements, torques, misfits, energy, size }
-    }
-}
-
-impl Descent for Posing<'_> {
-    type Point = Turned;
-
-    fn energy(&self, at: &Turned) -> (f64, f64) {
-        (at.energy, at.size)
-    }
-
-    fn gradient(&self, at: &Turned) -> [Vec<Vec3>; 2] {
-        let (own, of_handles) = at.torques.split_at(at.rotations.len());
-        let mut divided: Vec<Vec3> = match &self.arap.metric {
-            None => at.misfits[..own.len()].iter().map(|&misfit| -misfit).collect(),
-            Some(metric) => {
-                let mut divided = [vec![Vec3::ZERO; own.len()]];
-                metric.solve(&[own], &mut divided);
-                let [mut divided] = divided;
-                self.symmetry.symmetrise_turns(&mut divided);
-                divided
-            }
-        };
-        divided.extend(self.levers.iter().zip(of_handles).map(|(lever, &torque)| lever.compliance * torque));
-        self.turns.project(&mut divided);
-        [at.torques.clone(), divided]
-    }
-
-    fn moved(&self, from: &Turned, direction: &[Vec3], length: f64) -> Turned {
-        if self.levers.is_empty() {
-            return self.stitched(turned(&from.rotations, direction, length), Vec::new());
-        }
-        let of_vertices = lever::with_levers(direction, &self.levers, (&from.rotations, &from.turns));
-        let turns = turned(&from.turns, &direction[of_vertices.len()..], length);
-        self.stitched(turned(&from.rotations, &of_vertices, length), turns)
-    }
-}
-
 impl Method for Arap {
     fn systems(&self) -> Vec<&ConstrainedSystem> {
         std::iter::once(self.stitcher.system()).chain(&self.metric).collect()
@@ -359,7 +233,7 @@ impl Method for Arap {
             .as_ref()
             .filter(|_| options.warm_start)
             .and_then(|(_, reached)| self.following.moved(self.stitcher.system(), region, reached, goal));
-        let posing = self.posing(region, goal);
+        let posing = Posing::of(self, region, goal);
         let start = match (&self.previous, followed) {
             (Some((rotations, _)), Some(shape)) if !posing.turns.are_flat() => {
                 posing.at(rotations.clone(), Vec::new(), shape, &[])

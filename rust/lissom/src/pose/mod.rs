@@ -22,6 +22,7 @@
 
 mod agree;
 pub mod arap;
+mod arap_descent;
 mod bound;
 mod field;
 mod flat;
