@@ -78,6 +78,13 @@ def shape(key):
     return positions(key.points)
 
 
+def probes(mesh, count):
+    """(count, 3): some vertices of the Basis, by which one tells how the mesh's coordinates have changed."""
+    points = mesh.shape_keys.reference_key.points if mesh.shape_keys else mesh.vertices
+    places = np.linspace(0, len(points) - 1, count).astype(int).tolist() if len(points) else []
+    return np.array([points[place].co for place in places], dtype=np.float64).reshape(-1, 3)
+
+
 def seen(obj, key, over=None):
     """(n, 3): what is shown with this key of ``obj`` at 1, over the key ``over`` (the reference key) alone.
 

@@ -1,16 +1,19 @@
 """What transfers have written to shape keys, by which one tells what the artist has changed since.
 
 ``Key.lissom_written`` has a row for each key: its offsets from its relative key, in single precision and
-compressed, and the hash of the faces. They lie on the block of the shape keys, so that they are saved,
+compressed, the hash of the faces, and some vertices of the Basis, by which one tells that the object's
+transforms were applied since: what was written turns and scales along. They lie on the block of the shape keys, so that they are saved,
 undone, copied and removed along with these. Shape keys bear no mark of their own: one that was renamed is
 known again by its shape.
 """
 
 import numpy as np
 
-from ..core import corrections
+from ..core import corrections, space
 from . import shape_keys
 from .meshes import signature
+
+PROBES = 32  # vertices of the Basis that tell whether transforms were applied
 
 
 class Written:
@@ -25,7 +28,7 @@ class Written:
         lost = [row for row in rows if row.name not in there and row.topology == self._topology]
         others = there - self._rows.keys() - {self._keys.reference_key.name} if lost else set()
         for row in lost:
-            offsets = corrections.unpack(row.offsets)
+            offsets = self._turned(row, row.offsets)
             found = {name: corrections.alike(self._offsets(name), offsets) for name in sorted(others)}
             found = {name: away for name, away in found.items() if away is not None}
             if found:
@@ -43,6 +46,18 @@ class Written:
     def _offsets(self, name):
         key = self._keys.key_blocks[name]
         return shape_keys.shape(key) - shape_keys.shape(key.relative_key)
+
+    def _turned(self, row, packed):
+        """(n, 3): what a row has packed, in the coordinates that the mesh has now."""
+        before = corrections.unpack(row.probes)
+        change = space.linear_change(before, shape_keys.probes(self._obj.data, PROBES))
+        return corrections.unpack(packed) @ change.T
+
+    def _pack(self, row, offsets, transferred=None):
+        """Keeps (n, 3) arrays in the coordinates that the mesh has now."""
+        row.offsets = corrections.pack(offsets)
+        row.transferred = b"" if transferred is None else corrections.pack(transferred)
+        row.probes = corrections.pack(shape_keys.probes(self._obj.data, PROBES))
 
     def state(self, name):
         """One of "FOREIGN": no transfer has written the key; "WRITTEN": it is as it was written; "EDITED"
@@ -69,27 +84,26 @@ class Written:
         row, correction = self._row(name), self.correction(name)
         times = strength / row.strength
         offsets = times * self.written(name)
+        transferred = times * self.transferred(name) if row.transferred else None
         key = self._keys.key_blocks[name]
         base = shape_keys.shape(key.relative_key)
         shape_keys.write(self._obj, name, base + offsets + correction, None, key.relative_key)
-        row.strength, row.offsets = strength, corrections.pack(offsets)
-        if row.transferred:
-            row.transferred = corrections.pack(times * corrections.unpack(row.transferred))
+        row.strength = strength
+        self._pack(row, offsets, transferred)
 
     def written(self, name):
         """(n, 3) offsets of a key as they were written."""
-        return corrections.unpack(self._row(name).offsets)
+        row = self._row(name)
+        return self._turned(row, row.offsets)
 
     def transferred(self, name):
         """(n, 3) offsets of a key as they were transferred, before anything was learned."""
         row = self._row(name)
-        return corrections.unpack(row.transferred) if row.transferred else self.written(name)
+        return self._turned(row, row.transferred or row.offsets)
 
     def learned(self, name, offsets):
         """Keeps what has just been learned of a key, (n, 3), and what it was learned from."""
-        row = self._row(name)
-        row.transferred = corrections.pack(self.transferred(name))
-        row.offsets = corrections.pack(offsets)
+        self._pack(self._row(name), offsets, self.transferred(name))
 
     def correction(self, name):
         """(n, 3): what the artist has added to a key since."""
@@ -101,8 +115,8 @@ class Written:
             self._keys.lissom_written.add().name = name
             self._rows[name] = name
         row = self._row(name)
-        row.topology, row.transferred = self._topology, b""
-        row.offsets = corrections.pack(self._offsets(name) if offsets is None else offsets)
+        row.topology = self._topology
+        self._pack(row, self._offsets(name) if offsets is None else offsets)
 
     def tidy(self):
         """Rows take the names that their keys have now; those whose keys are gone go too."""

@@ -18,6 +18,9 @@ STILL = 1e-6
 # Between an axis and the normal of the plane across it the cosine is nearer to 1 where nothing is sheared.
 SHEARED = 1e-5
 
+# Vertices lie in a plane, or in a line, where they spread no further out of it, as a part of their size.
+FLAT = 1e-4
+
 LARGEST = float(np.finfo(np.float32).max)
 
 
@@ -106,6 +109,33 @@ def applied(world_before, world_now, before, now):
     if np.allclose(change, np.eye(4), atol=STILL) or not np.abs(moved - now).max() <= 10 * STILL * reach:
         return None
     return change
+
+
+def linear_change(before, now):
+    """(3, 3): how a mesh's coordinates have turned and scaled, by some of its vertices before and now, (k, 3).
+
+    As *Apply Scale* or *Apply Rotation* changes them; the identity where these have moved in any other way, as
+    by sculpting. Out of the plane of vertices in a plane, lengths change as they do within it.
+    """
+    if len(before) != len(now) or not len(now) or np.array_equal(before, now):
+        return np.eye(3)
+    old, new = before - before.mean(axis=0), now - now.mean(axis=0)
+    left, values, axes = np.linalg.svd(old, full_matrices=False)
+    if values[1] <= FLAT * values[0]:  # in a line: nothing is known of the turn about it
+        return np.eye(3)
+    if values[2] <= FLAT * values[0]:
+        images = axes[:2] @ np.linalg.lstsq(old, new, rcond=FLAT)[0]
+        across = np.cross(*images)
+        long = np.sqrt(np.linalg.norm(across))
+        images = np.array([*images, across / long if long else across])
+        axes = np.array([*axes[:2], np.cross(*axes[:2])])
+        change = images.T @ axes
+    else:
+        change = np.linalg.lstsq(old, new, rcond=None)[0].T
+    reach = np.abs(change).sum() * np.abs(before).max() + np.abs(now).max()
+    affine = np.abs(old @ change.T - new).max() <= STILL * reach
+    still = np.abs(change - np.eye(3)).max() <= 10 * STILL
+    return change if affine and not still else np.eye(3)
 
 
 def handle_transforms(linear, rest, posed):

@@ -8,13 +8,14 @@ import numpy as np
 from mathutils import Euler, Matrix
 
 from .. import session
+from ..bridge import shape_keys
 from ..core import space
 from ..core.pose import PROBES
 
 
 def note(obj):
     """Remembers where the vertices of a bound object are in its coordinates, and where it is itself."""
-    probes = np.float32(_probes(obj.data)).ravel()
+    probes = np.float32(shape_keys.probes(obj.data, PROBES)).ravel()
     if not np.array_equal(probes, obj.lissom_pose.probes):  # to write it is to have the object evaluated
         obj.lissom_pose.probes = probes
     session.worlds[obj.session_uid] = np.array(obj.matrix_world)
@@ -26,7 +27,7 @@ def follow(obj):
     known = np.array(obj.lissom_pose.probes).reshape(-1, 3)
     change = None
     if before is not None:
-        change = space.applied(before, np.array(obj.matrix_world), known, _probes(obj.data))
+        change = space.applied(before, np.array(obj.matrix_world), known, shape_keys.probes(obj.data, PROBES))
     if change is not None:
         _carry(obj, change)
     note(obj)
@@ -52,12 +53,6 @@ def _carry(obj, change):
             mode = handle.rotation_mode
             near = Euler(handle.rotation[1:], mode) if keep else empty.rotation_euler
             handle.rotation = (0.0, *basis.to_euler(mode, near))
-
-
-def _probes(mesh):
-    points = mesh.shape_keys.reference_key.points if mesh.shape_keys else mesh.vertices
-    places = np.linspace(0, len(points) - 1, PROBES).astype(int).tolist()
-    return np.array([points[place].co for place in places], dtype=np.float64)
 
 
 def bound_mesh(obj):

@@ -108,6 +108,7 @@ class LissomWritten(bpy.types.PropertyGroup):
     name: StringProperty(description="Name of the shape key then")
     topology: StringProperty(description="The hash of the faces then")
     offsets: StringProperty(subtype="BYTE_STRING")
+    probes: StringProperty(description="Some vertices of the Basis then", subtype="BYTE_STRING")
     strength: FloatProperty(description="Over that of the transfer", default=1.0)
     transferred: StringProperty(
         description="The same before it was learned; empty: it was not", subtype="BYTE_STRING"

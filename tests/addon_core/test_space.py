@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from lissom_addon_core import space
 from lissom_addon_core.refused import Refused
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 MATRIX = np.array([[0.0, -2.0, 0.3, 5.0], [1.5, 0.0, 0.0, -7.0], [0.0, 0.1, -0.7, 100.0], [0, 0, 0, 1]])
 
@@ -112,3 +112,25 @@ def test_handles_are_affine_whatever_rounding_blender_left_in_their_matrices():
     found = space.handle_transforms(MATRIX[:3, :3], rest, posed)
     assert (found[:, 3] == [0, 0, 0, 1]).all()
     assert_allclose(found, exact, atol=1e-4)
+
+
+@pytest.mark.parametrize("flat", [False, True])
+def test_transforms_that_were_applied_are_told_by_vertices_alone(flat):
+    draw = np.random.default_rng(5)
+    for _ in range(20):
+        points = draw.normal(size=(32, 3)) * (1, 1, 0 if flat else 1)
+        turn = np.linalg.qr(draw.normal(size=(3, 3)))[0]
+        turn *= np.sign(np.linalg.det(turn)) * draw.uniform(0.01, 100)
+        change = turn if flat else turn @ np.diag(draw.uniform(0.3, 3, 3) * draw.choice([-1, 1], 3))
+        points = np.float64(np.float32(points + draw.normal(size=3)))
+        now = np.float64(np.float32(points @ change.T + draw.normal(size=3)))
+        found = space.linear_change(points, now)
+        assert_allclose(found, change, atol=1e-5 * np.abs(change).max())
+        sculpted = now + (np.arange(32) == 3)[:, None] * 0.1 * np.ptp(now)
+        assert_array_equal(space.linear_change(points, sculpted), np.eye(3))
+        assert_array_equal(space.linear_change(points, points + 3.0), np.eye(3))
+
+
+def test_vertices_in_a_line_or_in_one_place_tell_of_no_change():
+    for points in (np.outer(np.arange(9.0), (1, 2, 3)), np.ones((9, 3)), np.zeros((0, 3))):
+        assert_array_equal(space.linear_change(points, 2 * points), np.eye(3))

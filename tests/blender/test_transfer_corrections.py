@@ -247,3 +247,22 @@ def test_the_command_tells_what_it_found(choice, tmp_path):
         "unknown": {},
         "edited_keys": choice,
     }
+
+
+@pytest.mark.parametrize("scale", [(2.0, 2.0, 2.0), (1.0, 3.0, -0.5)])
+def test_transforms_that_are_applied_are_no_edit(scale):
+    source, target = transferred()
+    target.scale, target.rotation_euler = scale, (0.3, -0.5, 2.0)
+    edit(target, "ears")
+    bpy.context.view_layer.objects.active = target
+    for obj in bpy.data.objects:
+        obj.select_set(obj == target)
+    bpy.context.view_layer.update()
+    correction, linear = Written(target).correction("ears"), np.array(target.matrix_world)[:3, :3]
+    bpy.ops.object.transform_apply()
+    assert states(target) == ["WRITTEN", "EDITED"]
+    assert_allclose(Written(target).correction("ears"), correction @ linear.T, atol=1e-5)
+    bpy.ops.lissom.key_strength(object=target.name, keys="squash", strength=0.5)
+    assert states(target) == ["WRITTEN", "EDITED"]
+    bpy.ops.lissom.transfer_keys(edited="CARRY")
+    assert states(target) == ["WRITTEN", "EDITED"]
