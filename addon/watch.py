@@ -15,6 +15,8 @@ _due = set()  # session_uids of mesh objects to look at
 
 def look(obj):
     """Finds the arcs of an object that are out of date, for the panel; returns their names."""
+    for arc in obj.lissom_inbetween.arcs:
+        arcs.find_ends(obj, arc)
     found = [arc.name for arc in obj.lissom_inbetween.arcs if arcs.is_stale(obj, arc)]
     session.stale[obj.session_uid] = found
     return found

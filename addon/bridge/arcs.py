@@ -43,6 +43,29 @@ def is_stale(obj, arc):
         return True
 
 
+def missing(obj, arc):
+    """Names of the shape keys that an arc lies between, or goes through, and that are gone."""
+    keys = obj.data.shape_keys.key_blocks if obj.data.shape_keys else {}
+    names_of_arc = [arc.start, arc.end, *(name for name, _ in core_inbetween.stops(arc.through))]
+    return [name for name in names_of_arc if name and name not in keys]
+
+
+def find_ends(obj, arc):
+    """An end of an arc that was renamed is known again by its shape, where the other is there."""
+    lost = missing(obj, arc)
+    field = next((field for field in ("start", "end") if [getattr(arc, field)] == lost), None)
+    if field is None or not arc.digest:
+        return
+    of_arcs = {key.name for one in obj.lissom_inbetween.arcs for key in one.keys}
+    for name in set(obj.data.shape_keys.key_blocks.keys()) - of_arcs - {arc.start, arc.end}:
+        try:
+            if Ends(obj, ArcAsked.of(arc, **{field: name})).digest() == arc.digest:
+                setattr(arc, field, name)
+                return
+        except Refused:  # a key that is none for an arc
+            continue
+
+
 def find(obj, slider):
     """The arc of a slider; Refused where there is none."""
     arc = obj.lissom_inbetween.arcs.get(slider)

@@ -148,8 +148,6 @@ def _found_again(pairs, ends, changed):
         placed = [number for number, marker in enumerate(pairs) if marker.place(side)]
         if not other or not placed:
             continue
-        if not obj.data.vertices:
-            raise Refused(f"'{obj.name}' has no vertices: choose another object")
         places = np.array([pairs[number].place(side) for number in placed])
         found = marker_places.found_again(*surface(obj), places)
         lost = [pairs[number].name for number, point in zip(placed, found, strict=True) if point is None]

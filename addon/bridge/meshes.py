@@ -36,8 +36,15 @@ def triangles(mesh):
     return flat.reshape(-1, 3)
 
 
+def require_vertices(obj):
+    """Refused where there is nothing to look at."""
+    if not obj.data.vertices:
+        raise Refused(f"'{obj.name}' has no vertices: choose another object")
+
+
 def surface(obj):
     """(vertices, triangles) of an object at rest, in its own coordinates."""
+    require_vertices(obj)
     return rest_positions(obj.data), triangles(obj.data)
 
 
@@ -172,6 +179,7 @@ class Snapshot:
     def of(cls, obj, linear):
         """``linear`` (3, 3) is kept for the way back from solve space."""
         obj.update_from_editmode()
+        require_vertices(obj)
         mesh = obj.data
         return cls(
             name=obj.name,

@@ -1,19 +1,15 @@
 """What transfers have written to shape keys, by which one tells what the artist has changed since.
 
-``Key.lissom_written`` has a row for each key: its offsets from its relative key, in single precision and
-compressed, the hash of the faces, and some vertices of the Basis, by which one tells that the object's
-transforms were applied since: what was written turns and scales along. They lie on the block of the shape keys, so that they are saved,
-undone, copied and removed along with these. Shape keys bear no mark of their own: one that was renamed is
-known again by its shape.
+``Key.lissom_written`` has a row for each key: its offsets from its relative key, as ``kept`` keeps them, and
+the hash of the faces. They lie on the block of the shape keys, so that they are saved, undone, copied and
+removed along with these. Shape keys bear no mark of their own: one that was renamed is known again by its
+shape.
 """
 
-import numpy as np
-
-from ..core import corrections, space
+from ..core import corrections
 from . import shape_keys
+from .kept import is_edited, keep, kept, offsets
 from .meshes import signature
-
-PROBES = 32  # vertices of the Basis that tell whether transforms were applied
 
 
 class Written:
@@ -28,8 +24,8 @@ class Written:
         lost = [row for row in rows if row.name not in there and row.topology == self._topology]
         others = there - self._rows.keys() - {self._keys.reference_key.name} if lost else set()
         for row in lost:
-            offsets = self._turned(row, row.offsets)
-            found = {name: corrections.alike(self._offsets(name), offsets) for name in sorted(others)}
+            before = kept(row, obj.data)
+            found = {name: corrections.alike(self._offsets(name), before) for name in sorted(others)}
             found = {name: away for name, away in found.items() if away is not None}
             if found:
                 name = min(found, key=found.get)
@@ -44,20 +40,7 @@ class Written:
         return self._keys.lissom_written[self._rows[name]]
 
     def _offsets(self, name):
-        key = self._keys.key_blocks[name]
-        return shape_keys.shape(key) - shape_keys.shape(key.relative_key)
-
-    def _turned(self, row, packed):
-        """(n, 3): what a row has packed, in the coordinates that the mesh has now."""
-        before = corrections.unpack(row.probes)
-        change = space.linear_change(before, shape_keys.probes(self._obj.data, PROBES))
-        return corrections.unpack(packed) @ change.T
-
-    def _pack(self, row, offsets, transferred=None):
-        """Keeps (n, 3) arrays in the coordinates that the mesh has now."""
-        row.offsets = corrections.pack(offsets)
-        row.transferred = b"" if transferred is None else corrections.pack(transferred)
-        row.probes = corrections.pack(shape_keys.probes(self._obj.data, PROBES))
+        return offsets(self._keys.key_blocks[name])
 
     def state(self, name):
         """One of "FOREIGN": no transfer has written the key; "WRITTEN": it is as it was written; "EDITED"
@@ -67,8 +50,7 @@ class Written:
             return "FOREIGN"
         if not self.knows(name):
             return "UNKNOWN"
-        largest = np.abs(shape_keys.shape(self._keys.key_blocks[name])).max(initial=0.0)
-        edited = corrections.differs(self._offsets(name), self.written(name), largest)
+        edited = is_edited(self._row(name), self._obj.data, self._keys.key_blocks[name])
         return "EDITED" if edited else "WRITTEN"
 
     def knows(self, name):
@@ -83,40 +65,42 @@ class Written:
         """Makes a key so many times as strong as it was transferred; what the artist has added stays."""
         row, correction = self._row(name), self.correction(name)
         times = strength / row.strength
-        offsets = times * self.written(name)
-        transferred = times * self.transferred(name) if row.transferred else None
+        wanted, transferred = times * self.written(name), times * self.transferred(name)
         key = self._keys.key_blocks[name]
         base = shape_keys.shape(key.relative_key)
-        shape_keys.write(self._obj, name, base + offsets + correction, None, key.relative_key)
+        shape_keys.write(self._obj, name, base + wanted + correction, None, key.relative_key)
         row.strength = strength
-        self._pack(row, offsets, transferred)
+        keep(row, self._obj.data, wanted)
+        if row.transferred:
+            row.transferred = corrections.pack(transferred)
 
     def written(self, name):
         """(n, 3) offsets of a key as they were written."""
-        row = self._row(name)
-        return self._turned(row, row.offsets)
+        return kept(self._row(name), self._obj.data)
 
     def transferred(self, name):
         """(n, 3) offsets of a key as they were transferred, before anything was learned."""
         row = self._row(name)
-        return self._turned(row, row.transferred or row.offsets)
+        return kept(row, self._obj.data, row.transferred or row.offsets)
 
-    def learned(self, name, offsets):
+    def learned(self, name, wanted):
         """Keeps what has just been learned of a key, (n, 3), and what it was learned from."""
-        self._pack(self._row(name), offsets, self.transferred(name))
+        row = self._row(name)
+        row.transferred = corrections.pack(self.transferred(name))
+        keep(row, self._obj.data, wanted)
 
     def correction(self, name):
         """(n, 3): what the artist has added to a key since."""
         return self._offsets(name) - self.written(name)
 
-    def remember(self, name, offsets=None):
+    def remember(self, name, wanted=None):
         """Keeps what has just been written to a key: offsets (n, 3), by default those that it has."""
         if name not in self._rows:
             self._keys.lissom_written.add().name = name
             self._rows[name] = name
         row = self._row(name)
-        row.topology = self._topology
-        self._pack(row, self._offsets(name) if offsets is None else offsets)
+        row.topology, row.transferred = self._topology, b""
+        keep(row, self._obj.data, self._offsets(name) if wanted is None else wanted)
 
     def tidy(self):
         """Rows take the names that their keys have now; those whose keys are gone go too."""

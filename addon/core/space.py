@@ -112,15 +112,15 @@ def applied(world_before, world_now, before, now):
 
 
 def linear_change(before, now):
-    """(3, 3): how a mesh's coordinates have turned and scaled, by some of its vertices before and now, (k, 3).
+    """(3, 3): how a mesh has turned and scaled in its coordinates, by some vertices before and now, (k, 3).
 
-    As *Apply Scale* or *Apply Rotation* changes them; the identity where these have moved in any other way, as
+    As *Apply Scale* or *Apply Rotation* changes them; the identity where these moved in any other way, as
     by sculpting. Out of the plane of vertices in a plane, lengths change as they do within it.
     """
     if len(before) != len(now) or not len(now) or np.array_equal(before, now):
         return np.eye(3)
     old, new = before - before.mean(axis=0), now - now.mean(axis=0)
-    left, values, axes = np.linalg.svd(old, full_matrices=False)
+    _, values, axes = np.linalg.svd(old, full_matrices=False)
     if values[1] <= FLAT * values[0]:  # in a line: nothing is known of the turn about it
         return np.eye(3)
     if values[2] <= FLAT * values[0]:

@@ -17,13 +17,14 @@ from functools import cached_property
 
 import numpy as np
 
-from ..bridge import animation, arcs, checks, images, mirrors, shape_keys, sliders
+from ..bridge import animation, arcs, checks, images, kept, mirrors, shape_keys, sliders
 from ..core import easing, hat, names
 from ..core.easing import EASINGS
 from ..core.inbetween import ArcAsked
 from ..core.refused import Refused, first
 from ..core.work import Block, Work
 from . import Done
+from .arc_corrections import ArcCorrections
 
 # The evaluation time that an absolute arc takes. Blender puts a new key 10 behind the last one unless a key,
 # this one too, is within 0.1 of the time asked for: hat.NEAREST must be more, and the last key is made first.
@@ -96,6 +97,7 @@ class Bake:
         value = float(value) if isinstance(value, (int, float)) else 0.0
         before = obj.lissom_inbetween.arcs.get(self.slider)
         rerouted = before.end if before is not None and before.reroute else ""
+        self._corrections = ArcCorrections(obj, before, (start.name, end.name))
         shapes = self._ends.back(sampled.shapes)
         arcs.remove_keys(obj, self.slider)
         description = f"Lissom: from '{start.name}' at 0 along an arc to '{end.name}' at 1"
@@ -107,7 +109,7 @@ class Bake:
                 setattr(arc, one.name, getattr(self._asked, one.name))
         arc.name, arc.start, arc.end = self.slider, start.name, end.name
         arc.digest = self._ends.digest()
-        warnings = [*sampled.warnings, *mirrors.left_out(obj)]
+        warnings = [*sampled.warnings, *self._corrections.warnings(), *mirrors.left_out(obj)]
         if rerouted and rerouted != end.name:
             arc.reroute = False  # what the slider has is another key's
             warnings.append(f"The slider keeps the animation that it took over from '{rerouted}'")
@@ -165,9 +167,11 @@ class Bake:
     def _key(self, obj, arc, knot, positions, settings):
         taken = set(obj.data.shape_keys.key_blocks.keys())
         name = arcs.key_name(arc.name, knot, taken)
-        key = shape_keys.write(obj, name, positions, settings)
+        correction = self._corrections.at(knot, positions, self._ends.mesh.triangles)
+        key = shape_keys.write(obj, name, positions + correction, settings)
         made = arc.keys.add()
         made.name, made.time = key.name, knot
+        kept.keep(made, obj.data, kept.offsets(key) - correction)
         return key
 
 
@@ -209,6 +213,34 @@ class BakeAll:
         )
 
 
+class UpdateAll(BakeAll):
+    """All arcs of an object whose ends were changed since they were baked; those that have lost one stay."""
+
+    def __init__(self, context, name):
+        obj = checks.mesh_object(name, context)
+        arcs.require(obj)
+        old = [
+            again(context, obj.name, arc.name) for arc in obj.lissom_inbetween.arcs if arcs.is_stale(obj, arc)
+        ]
+        lost = {asked.slider: arcs.missing(obj, asked) for asked in old}
+        self._lost = [
+            f"'{slider}' stays as it is: {first(map(repr, gone))} is gone"
+            for slider, gone in lost.items()
+            if gone
+        ]
+        if not old:
+            raise Refused("All arcs are as their ends are now: nothing to do")
+        if all(lost.values()):
+            raise Refused(f"Nothing to do: {'; '.join(self._lost)}")
+        super().__init__(context, [asked for asked in old if not lost[asked.slider]])
+
+    def write(self, context, result):
+        """As BakeAll's."""
+        done = super().write(context, result)
+        done.warnings += self._lost
+        return done
+
+
 def to_many(context, asked, keys):
     """[ArcAsked] of the arcs to shape keys of these names, by default all that arcs can lead to."""
     obj = checks.mesh_object(asked.object, context)
@@ -226,16 +258,5 @@ def again(context, name, slider):
     obj = checks.mesh_object(name, context)
     arcs.require(obj)
     arc = arcs.find(obj, slider)
+    arcs.find_ends(obj, arc)
     return ArcAsked.of(arc, slider=arc.name, exists="UPDATE", object=obj.name)
-
-
-def stale(context, name):
-    """[ArcAsked] that bake all arcs of an object anew whose ends were changed since."""
-    obj = checks.mesh_object(name, context)
-    arcs.require(obj)
-    found = [
-        again(context, obj.name, arc.name) for arc in obj.lissom_inbetween.arcs if arcs.is_stale(obj, arc)
-    ]
-    if not found:
-        raise Refused("All arcs are as their ends are now: nothing to do")
-    return found

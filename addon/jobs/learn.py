@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import lissom
 import numpy as np
 
-from ..bridge import checks, shape_keys
+from ..bridge import checks, kept, shape_keys
 from ..bridge.meshes import surface
 from ..bridge.written import Written
 from ..core.options import default
@@ -68,7 +68,7 @@ class Learn:
         except lissom.InvalidMesh as error:
             raise Refused(f"The mesh of '{obj.name}' cannot be used: {error}") from error
         shapes = self._vertices + np.array([written.transferred(name) for name in self._names])
-        now = {name: _offsets(keys[name]) for name in self._taught}
+        now = {name: kept.offsets(keys[name]) for name in self._taught}
         wanted = {self._names.index(name): self._vertices + offsets for name, offsets in now.items()}
         self.work = Work(_steps(mesh, shapes, wanted, asked.strength))
 
@@ -121,7 +121,3 @@ class Learn:
 
 def _steps(mesh, shapes, wanted, strength):
     return (yield lissom.start_learn(mesh, shapes, wanted, strength=strength))
-
-
-def _offsets(key):
-    return shape_keys.shape(key) - shape_keys.shape(key.relative_key)

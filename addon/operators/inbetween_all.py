@@ -5,7 +5,7 @@ from bpy.props import StringProperty
 
 from ..bridge import arcs, checks
 from ..core.inbetween import ArcAsked
-from ..jobs.bake import BakeAll, stale, to_many
+from ..jobs.bake import BakeAll, UpdateAll, to_many
 from ..properties.inbetween import ArcSettings, PathSettings
 from ..properties.transfer_options import exists_property
 from .arcs import arc_poll
@@ -51,14 +51,14 @@ class LISSOM_OT_inbetween_update_all(JobRunner, bpy.types.Operator):
 
     object: StringProperty(**OBJECT)
 
-    job_class = BakeAll
+    job_class = UpdateAll
 
     @classmethod
     def poll(cls, context):
         return arc_poll(cls, context)
 
     def asked(self, context):
-        return stale(context, self.object)
+        return self.object
 
 
 class LISSOM_OT_inbetween_choose(TickProperties, bpy.types.Operator):

@@ -4,6 +4,7 @@ import bpy
 
 from .. import session
 from ..bridge import arcs, checks, sliders
+from ..core.refused import first
 from ..drawing import ghost
 from ..layouts import split_column
 from ..properties.inbetween import SETTINGS, PathSettings
@@ -121,7 +122,8 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
         baked = [arc for arc in settings.arcs if arc.name in obj]
         if not baked:
             return
-        stale = session.stale.get(obj.session_uid, [])
+        lost = {arc.name: arcs.missing(obj, arc) for arc in baked}
+        stale = [name for name in session.stale.get(obj.session_uid, []) if not lost.get(name)]
         layout.label(text="Sliders:")
         if stale:
             draw_lines(layout, "ERROR", f"{len(stale)} are out of date: an end of theirs was changed since")
@@ -135,7 +137,7 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
         export.object, export.restore = obj.name, ready
         for arc in baked:
             row = layout.row(align=True)
-            if arc.name in stale:
+            if arc.name in stale or lost[arc.name]:
                 row.label(text="", icon="ERROR")
             row.prop(obj, sliders.data_path(arc.name), text=arc.name, translate=False, slider=True)
             if not fits(arc.name, ARC_BUTTONS):
@@ -146,7 +148,17 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
             for action, icon in (("rebake", "FILE_REFRESH"), ("rename", "GREASEPENCIL"), ("remove", "X")):
                 button = row.operator(f"lissom.inbetween_{action}", text="", icon=icon)
                 button.object, button.slider = obj.name, arc.name
+            if lost[arc.name]:
+                self._draw_lost(layout, obj, arc, lost[arc.name])
             draw_warnings(layout, arc.warnings, "INBETWEEN", obj.name, arc.name)
+
+    def _draw_lost(self, layout, obj, arc, lost):
+        draw_lines(layout, "ERROR", f"{first(map(repr, lost))} is gone: choose another, and bake again")
+        for name, end in zip(ENDS, ("start", "end"), strict=True):
+            if getattr(arc, end) in lost:
+                labelled(layout, name, ENDS, "", BESIDE_NAME).prop_search(
+                    arc, end, obj.data.shape_keys, "key_blocks", text=""
+                )
 
 
 classes = (LISSOM_UL_arc_keys, LISSOM_PT_inbetween)

@@ -123,6 +123,8 @@ class LissomArcKey(bpy.types.PropertyGroup):
 
     name: StringProperty(name="Shape Key")
     time: FloatProperty(name="Time", description="Where on the arc it lies: 0 to 1, or beyond")
+    offsets: StringProperty(description="From the Basis, as Bake wrote them", subtype="BYTE_STRING")
+    probes: StringProperty(description="Some vertices of the Basis then", subtype="BYTE_STRING")
 
 
 class LissomArc(PathSettings, ArcSettings, bpy.types.PropertyGroup):

@@ -102,3 +102,73 @@ def test_arcs_of_older_files_are_taken_as_they_are():
     obj.lissom_inbetween.arcs["full arc"].digest = ""
     obj.data.shape_keys.key_blocks["full"].data[0].co.x += np.float32(1.0)
     assert watch.look(obj) == []
+
+
+def corrected(obj, name, by=(0.3, 0.1, 0.0)):
+    """Moves a few vertices of a key, as sculpting does; their places."""
+    for row in obj.data.shape_keys.key_blocks[name].data[:5]:
+        row.co = np.array(row.co) + by
+    return scene.key_points(obj, name)
+
+
+@pytest.mark.parametrize("playback", ["RELATIVE", "ABSOLUTE"])
+def test_in_betweens_that_were_corrected_by_hand_are_carried_over_again_and_again(playback, capfd):
+    obj = keyed_tube()
+    bpy.ops.lissom.inbetween_bake(object=obj.name, end="full", count=3, playback=playback)
+    before = scene.key_points(obj, "full arc 50%")
+    after = corrected(obj, "full arc 50%")
+    for _ in range(2):
+        bpy.ops.lissom.inbetween_rebake(object=obj.name, slider="full arc")
+        assert "corrected by hand are carried over: 'full arc 50%'" in capfd.readouterr().out
+        assert_allclose(scene.key_points(obj, "full arc 50%"), after, atol=1e-5)
+    bpy.ops.lissom.inbetween_bake(object=obj.name, end="full", count=7, playback=playback)
+    plain = native_path(obj, "Basis", "full").at([0.375])[0]
+    half = scene.key_points(obj, "full arc 37.5%") - plain
+    assert_allclose(scene.key_points(obj, "full arc 50%"), after, atol=1e-5)
+    assert_allclose(np.linalg.norm(half, axis=1), 0.5 * np.linalg.norm(after - before, axis=1), atol=1e-5)
+
+
+def test_corrections_do_not_go_over_to_an_arc_to_another_end(capfd):
+    obj = keyed_tube()
+    bpy.ops.lissom.inbetween_bake(object=obj.name, end="full", slider="bend", count=1)
+    corrected(obj, "bend 50%")
+    bpy.ops.lissom.inbetween_bake(object=obj.name, end="half", slider="bend", count=1)
+    assert "gone with the arc to 'full': 'bend 50%'" in capfd.readouterr().out
+    wanted = native_path(obj, "Basis", "half").at([0.5])[0]
+    assert_allclose(scene.key_points(obj, "bend 50%"), wanted, atol=1e-5)
+
+
+def test_an_in_between_is_not_edited_by_transforms_that_are_applied(capfd):
+    obj = keyed_tube()
+    bpy.ops.lissom.inbetween_bake(object=obj.name, end="full", count=3)
+    obj.scale, obj.rotation_euler = (2.0, 2.0, 2.0), (0.4, 1.0, -2.0)
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+    bpy.context.view_layer.update()
+    bpy.ops.object.transform_apply()
+    bpy.ops.lissom.inbetween_rebake(object=obj.name, slider="full arc")
+    assert "corrected by hand" not in capfd.readouterr().out
+
+
+@pytest.mark.parametrize("end", ["half", "Basis"])
+def test_an_end_that_was_renamed_is_known_again(end):
+    obj = keyed_tube()
+    bpy.ops.lissom.inbetween_bake(object=obj.name, start="Basis", end="half", count=1)
+    obj.data.shape_keys.key_blocks[end].name = "other"
+    assert watch.look(obj) == []
+    arc = obj.lissom_inbetween.arcs[0]
+    assert [arc.start, arc.end] == ["other" if name == end else name for name in ("Basis", "half")]
+    bpy.ops.lissom.inbetween_rebake(object=obj.name, slider="half arc")
+
+
+def test_an_arc_that_has_lost_its_end_does_not_keep_the_others_from_being_updated(capfd):
+    obj = keyed_tube()
+    bpy.ops.lissom.inbetween_bake_all(object=obj.name, count=1)
+    obj.shape_key_remove(obj.data.shape_keys.key_blocks["half"])
+    with scene.refused("'half arc' stays as it is: 'half' is gone"):
+        bpy.ops.lissom.inbetween_update_all(object=obj.name)
+    obj.data.shape_keys.key_blocks["full"].data[0].co.x += 0.25
+    bpy.ops.lissom.inbetween_update_all(object=obj.name)
+    assert "'half arc' stays as it is: 'half' is gone" in capfd.readouterr().out
+    wanted = native_path(obj, "Basis", "full").at([0.5])[0]
+    assert_allclose(scene.key_points(obj, "full arc 50%"), wanted, atol=1e-5)

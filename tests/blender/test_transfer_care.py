@@ -236,6 +236,31 @@ def test_row_1_an_emptied_mesh():
         bpy.ops.lissom.transfer_keys()
 
 
+@pytest.mark.parametrize(
+    "run",
+    [
+        lambda: bpy.ops.lissom.transfer_keys(source="Source", target="Target"),
+        lambda: bpy.ops.lissom.transfer_keys(source="Target", target="Source"),
+        lambda: bpy.ops.lissom.transfer_pose(source="Source", target="Target"),
+        lambda: bpy.ops.lissom.transfer_pose(source="Target", target="Source"),
+        lambda: bpy.ops.lissom.key_mirror(object="Source", keys="ears"),
+        lambda: bpy.ops.lissom.key_split(object="Source", keys="ears"),
+        lambda: bpy.ops.lissom.key_sum(object="Source", keys="ears"),
+        lambda: bpy.ops.lissom.inbetween_bake(object="Source", end="ears"),
+        lambda: bpy.ops.lissom.face_keys(target="Source"),
+    ],
+)
+def test_row_1_a_mesh_with_keys_that_has_lost_all_vertices(run):
+    source, _ = monkeys()
+    bpy.context.view_layer.objects.active = source
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.delete(type="VERT")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    with scene.refused("'Source' has no vertices"):
+        run()
+
+
 @pytest.fixture
 def rigged(tmp_path):
     """A source whose key is driven by a bone, in a file of its own; a target in another."""

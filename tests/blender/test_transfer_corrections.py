@@ -251,7 +251,7 @@ def test_the_command_tells_what_it_found(choice, tmp_path):
 
 @pytest.mark.parametrize("scale", [(2.0, 2.0, 2.0), (1.0, 3.0, -0.5)])
 def test_transforms_that_are_applied_are_no_edit(scale):
-    source, target = transferred()
+    _, target = transferred()
     target.scale, target.rotation_euler = scale, (0.3, -0.5, 2.0)
     edit(target, "ears")
     bpy.context.view_layer.objects.active = target
