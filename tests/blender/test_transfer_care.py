@@ -251,7 +251,8 @@ def test_row_1_an_emptied_mesh():
     ],
 )
 def test_row_1_a_mesh_with_keys_that_has_lost_all_vertices(run):
-    source, _ = monkeys()
+    source, target = monkeys()
+    target.select_set(False)
     bpy.context.view_layer.objects.active = source
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.select_all(action="SELECT")
