@@ -1,7 +1,8 @@
 """The extension in the language that Blender is set to.
 
 What Blender draws by itself (labels, tooltips, names of properties) it translates by the table that is
-registered here; messages that are made of several parts go through ``translated``.
+registered here; messages that are made of several parts go through ``translated``. What the core says in a
+programmer's words, of vertices by number, is said in an artist's first.
 """
 
 import json
@@ -16,6 +17,9 @@ FOLDER = pathlib.Path(__file__).with_name("locale")
 CONTEXT = "Lissom"  # of words that mean something else in Blender
 CONTEXTS = ("*", "Operator", CONTEXT)  # of labels and tooltips, of buttons, and our own
 
+PLAIN = json.loads(pathlib.Path(__file__).with_name("plain_words.json").read_text(encoding="utf-8"))
+
+_plain = Catalogue(PLAIN)
 _catalogues = {}
 
 
@@ -26,9 +30,9 @@ def language():
 
 
 def translated(text):
-    """A text or a finished message in Blender's language, where there is one of ours."""
-    catalogue = _catalogues.get(language())
-    return catalogue.said(text) if catalogue else text
+    """A text or a finished message in plain words, and in Blender's language where there is one of ours."""
+    catalogue, plain = _catalogues.get(language()), _plain.said(text)
+    return catalogue.said(plain) if catalogue else plain
 
 
 def _indented(text):

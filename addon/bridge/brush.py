@@ -64,8 +64,8 @@ def handle_of(obj, vertex):
     return None
 
 
-def add(context, obj, found, radius, name):
-    """Makes a handle of what a brush of ``radius`` pixels touches; returns its row in the list.
+def add(context, obj, found, radius, pin=False):
+    """Makes a handle of what a brush of ``radius`` pixels touches, or a pin; returns its row in the list.
 
     Where the mesh is bound and posed, its vertices stay where they are shown: the Empty begins there.
     """
@@ -78,14 +78,14 @@ def add(context, obj, found, radius, name):
     free = ~np.isin(indices, np.concatenate([*taken.values(), np.zeros(0, dtype=np.int64)]))
     indices, weights = indices[free], weights[free]
     rest = meshes.rest_positions(obj.data)
-    name = names.unused(name, obj.vertex_groups.keys())
+    name = names.unused("Pin" if pin else "Touch", obj.vertex_groups.keys())
     values = np.zeros(len(rest))
     values[indices] = weights
     groups.make(obj, name, values)
     size = 0.5 * radius * found.pixel or 1.0
     centre = np.average(rest[indices], axis=0, weights=weights)
     row = settings.handles.add()
-    row.name = name
+    row.name, row.dragged = name, not pin
     row.empty = empties.add(obj, f"{obj.name} {name}", Vector(centre), size)
     settings.active_handle = len(settings.handles) - 1
     settings.property_unset("reach")

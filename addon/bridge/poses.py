@@ -20,6 +20,12 @@ def asked(settings):
     return Asked.of(settings, options.multiresolution.base, value)
 
 
+def is_adrift(settings):
+    """Whether nothing holds the mesh but what is dragged: one handle, or such as were made on the mesh."""
+    handles = settings.handles
+    return not settings.roi and (len(handles) == 1 or all(handle.dragged for handle in handles))
+
+
 def keep(settings, asked):
     """Writes method and options into the settings of an object, from which the file restores the pose."""
     for name in ("method", "use_weights", "weld", "symmetry", "stays", "reach"):

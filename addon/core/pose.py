@@ -70,20 +70,23 @@ class Company(NamedTuple):
 ALONE = Company()
 
 
-def bind_work(vertices, triangles, corners, handles, weights, roi, asked, mirrors=NONE, company=ALONE):
+def bind_work(
+    vertices, triangles, corners, handles, weights, roi, asked, mirrors=NONE, company=ALONE, adrift=False
+):
     """Work whose result is the BoundPose of a mesh.
 
     ``vertices`` (n, 3) in solve space, ``corners`` (c,) the vertices of the faces in turn; ``handles`` and
     ``weights`` are lists of arrays (k,), ``roi`` one of indices or None, ``asked`` a pose_options.Asked.
-    ``mirrors`` are those of the object; indices beyond its vertices are those of what rides on it.
+    ``mirrors`` are those of the object; indices beyond its vertices are those of what rides on it. Where the
+    handles are all dragged, ``adrift``, core.stays says what holds the mesh.
     """
 
     def steps():
         all_vertices, all_triangles = joined([(vertices, triangles), *company.rides])
         mesh = lissom.Mesh(all_vertices, all_triangles, weld=0.0 if asked.weld else None)
         region, known = roi, asked
-        if roi is None and len(handles) == 1:
-            region, reach = stays.moving(mesh, handles[0], asked.stays, asked.reach)
+        if adrift:
+            region, reach = stays.moving(mesh, handles, asked.stays, asked.reach)
             known = asked._replace(reach=reach)
         pose = yield lissom.start_pose(
             mesh,

@@ -34,6 +34,7 @@ def bind_work(obj, linear, asked, skin=None):
         asked,
         mirrors.of(obj, linear, asked.symmetry),
         company.of(obj, linear, skin_of_row),
+        poses.is_adrift(settings),
     )
 
 

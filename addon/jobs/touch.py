@@ -34,7 +34,7 @@ def on(context, obj, found, radius, pin=False):
     name = brush.handle_of(obj, found.vertex)
     made = name is None
     if made:
-        name = brush.add(context, obj, found, radius, "Pin" if pin else "Touch").name
+        name = brush.add(context, obj, found, radius, pin).name
     return _taken(context, obj, name, found.place, made)
 
 

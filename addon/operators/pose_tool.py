@@ -38,8 +38,9 @@ class LISSOM_OT_pose_touch(bpy.types.Operator):
         if obj is None:
             raise Refused("Select a mesh object first")
         touch = touched.at(context, obj, spot, context.window_manager.lissom_brush, self.pin)
-        if touch is None:
-            return {"PASS_THROUGH"}
+        if touch is None:  # passed on, a drag that misses by a few pixels would move the object
+            bpy.ops.view3d.select(location=tuple(map(int, spot)))
+            return {"FINISHED"}
         self._made = touch.made
         if self.pin:
             return self._done(context, "Pin")
@@ -85,7 +86,7 @@ class PoseTool(bpy.types.WorkSpaceTool):
     bl_label = "Pose on the Mesh"
     bl_description = (
         "Drag the active mesh: a click makes a handle, and the mesh follows it.\n"
-        "Shift click: pin a place. F: size of the brush"
+        "Shift click: pin a place. Click beside it: select. F: size of the brush"
     )
     bl_icon = "ops.pose.push"
     bl_widget = None

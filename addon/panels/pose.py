@@ -131,7 +131,7 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         if 0 <= active < len(settings.handles):
             column.prop(settings.handles[active], "turns_by_itself")
         self._draw_company(column, obj, settings)
-        if len(settings.handles) == 1 and not settings.roi:
+        if len(settings.handles) and poses.is_adrift(settings):
             column = split_column(column)
             column.prop(settings, "stays", text="What stays?")
             if settings.stays == "FAR":

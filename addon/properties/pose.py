@@ -75,10 +75,10 @@ def weld_property(**also):
 
 
 def stays_property(**also):
-    """What else is held where one handle is all that holds a mesh."""
+    """What else is held where nothing but what is dragged holds a mesh."""
     return EnumProperty(
         name="What Stays",
-        description="What stays in its place while the only handle moves, where no region says so",
+        description="What stays in its place where no region, pin or other handle says so",
         items=STAY_ITEMS,
         default="FAR",
         **also,
@@ -86,11 +86,11 @@ def stays_property(**also):
 
 
 def reach_property(**also):
-    """From where on a mesh is far from its only handle."""
+    """From where on a mesh is far from its handles."""
     return FloatProperty(
         name="Beyond",
-        description="Distance from the handle, along the mesh, beyond which everything stays. "
-        "0: Bind chooses one by the size of the handle",
+        description="Distance from the handles, along the mesh, beyond which everything stays. "
+        "0: Bind chooses one by the size of the largest",
         default=0.0,
         min=0.0,
         subtype="DISTANCE",
@@ -180,6 +180,7 @@ class LissomHandle(bpy.types.PropertyGroup):
         default=True,
         update=_turn_changed,
     )
+    dragged: BoolProperty(options={"HIDDEN"}, description="Made on the mesh, to be dragged")
     rest: FloatVectorProperty(
         size=16, description="Matrix of the Empty at Bind, in the object's coordinates, by rows"
     )

@@ -4,14 +4,15 @@ import bpy
 import numpy as np
 import pytest
 import scene
-from bl_ext.user_default.lissom.bridge import brush, empties, groups
+from bl_ext.user_default.lissom.bridge import brush, empties, groups, poses
+from bl_ext.user_default.lissom.jobs import touch
 from bl_ext.user_default.lissom.operators.pose_tool import PoseTool
 from mathutils import Matrix, Vector
 
 
-def click(obj, vertex, radius=40, pixel=0.02, name="Touch"):
+def click(obj, vertex, radius=40, pixel=0.02, pin=False):
     found = brush.Hit(vertex, obj.matrix_world @ obj.data.vertices[vertex].co, pixel)
-    return brush.add(bpy.context, obj, found, radius, name)
+    return brush.add(bpy.context, obj, found, radius, pin)
 
 
 def middle(obj):
@@ -79,7 +80,7 @@ def test_a_pin_of_a_turned_and_scaled_object_is_where_it_was_clicked(scaled):
         Matrix.Translation((3, 1, 2)) @ Matrix.Rotation(0.8, 4, "X") @ Matrix.Scale(1 + scaled, 4)
     )
     bpy.context.view_layer.update()
-    row = click(obj, middle(obj), name="Pin")
+    row = click(obj, middle(obj), pin=True)
     spot = obj.matrix_world @ obj.data.vertices[middle(obj)].co
     assert (row.empty.matrix_world.translation - spot).length < 0.2
     assert empties.is_alive(row.empty) and row.name == "Pin"
@@ -89,3 +90,23 @@ def test_the_tool_has_keys_for_operators_that_there_are():
     for name, _, _ in PoseTool.bl_keymap:
         module, operator = name.split(".")
         getattr(getattr(bpy.ops, module), operator).get_rna_type()
+
+
+def test_what_is_far_stays_until_something_else_holds_the_mesh():
+    obj = scene.monkey()
+    rest = scene.points(obj.data.vertices)
+    places = [np.abs(rest - place).sum(axis=1).argmin() for place in ([1.3, 0.3, 0.4], [0, -0.6, -0.95])]
+    for number, vertex in enumerate(places):
+        found = brush.Hit(int(vertex), obj.matrix_world @ obj.data.vertices[vertex].co, 0.005)
+        made = touch.on(bpy.context, obj, found, 40)
+        empty = obj.lissom_pose.handles[made.handle].empty
+        empty.location.z += (0.4, -0.3)[number]
+        bpy.context.view_layer.update()
+        bpy.ops.lissom.pose_update(object=obj.name)
+        moved = scene.key_points(obj, "Lissom Pose") - rest
+        assert np.abs(moved[places[: number + 1]]).max() > 0.25
+        assert not moved[rest[:, 0] < -0.6].any(), "the other ear stays where it is"
+        assert poses.is_adrift(obj.lissom_pose)
+    found = brush.Hit(*(lambda v: (v, obj.data.vertices[v].co))(int(rest[:, 0].argmin())), 0.005)
+    touch.on(bpy.context, obj, found, 40, pin=True)
+    assert not poses.is_adrift(obj.lissom_pose)

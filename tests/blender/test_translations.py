@@ -39,6 +39,17 @@ def test_every_message_of_the_core_is_translated(table):
     assert not missing, f"{len(missing)} texts are missing in {FILE.name}:\n" + "\n".join(lines)
 
 
+def test_plain_words_are_of_messages_that_the_core_has_and_are_translated(table):
+    of_core = set(strings.of_core())
+    for text, said in translations.PLAIN.items():
+        problem = text.removesuffix(" (at {0}; {1} in all)").partition(": ")[2]
+        assert problem in of_core, text
+        assert said in table, said
+        finished = text.format("3, 7, ...", 12)
+        assert translations.translated(finished) == said.format("", 12)
+        assert not re.search("[A-Za-z]{3,} [a-z]{3,} [a-z]", Catalogue(table).said(said.format("", 12)))
+
+
 def faults():
     """What the native module says of some input that is wrong or doubtful."""
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [9, 9, 9.0]])
