@@ -57,11 +57,13 @@ from .properties import inbetween as inbetween_properties
 from .properties import main as main_properties
 from .properties import markers as marker_properties
 from .properties import pose as pose_properties
+from .properties import shown as shown_properties
 from .properties import ticks
 from .properties import transfer as transfer_properties
 
 _PROPERTIES = (
     main_properties,
+    shown_properties,
     pose_properties,
     marker_properties,
     transfer_properties,

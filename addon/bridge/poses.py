@@ -50,6 +50,22 @@ def rescaled(obj):
     return f"'{obj.name}' was scaled unevenly since Bind, and its handles with it: press Unbind, then Bind"
 
 
+def hidden(obj):
+    """What to say where the object does not show its live pose, or ""."""
+    keys, name = obj.data.shape_keys, obj.lissom_pose.preview
+    key = keys.key_blocks.get(name) if keys else None
+    if key is None:  # refused by whoever solves
+        return ""
+    if obj.show_only_shape_key:
+        pinned = obj.active_shape_key != key
+        return (
+            "Solo Active Shape Key is on, and shows another key than the pose: turn it off" if pinned else ""
+        )
+    if key.mute or key.value < 1:
+        return f"Shape key '{name}', which shows the pose, is muted or not at 1"
+    return ""
+
+
 def preview(obj):
     """The shape key that shows the live pose."""
     return shape_keys.preview(obj, obj.lissom_pose.preview)
@@ -90,10 +106,16 @@ def foreign_handles(obj):
     if not foreign:
         return ""
     listed = first(repr(handle.name) for handle in foreign)
-    owner = foreign[0].empty.lissom_handle_of
-    whose = f"belongs to '{owner.name}', of which '{obj.name}' is a copy" if owner else "belongs to no mesh"
-    way = "press Unbind" if obj.lissom_pose.bound else "remove it"
-    return f"The Empty of handle {listed} {whose}: {way}, then add the handle anew"
+    owner, way = (
+        foreign[0].empty.lissom_handle_of,
+        "press Unbind" if obj.lissom_pose.bound else "remove such handles",
+    )
+    if owner is None:
+        return f"What moves handle {listed} belongs to no mesh: {way}, then add them anew"
+    return (
+        f"What moves handle {listed} belongs to '{owner.name}', of which '{obj.name}' is a copy: {way}, "
+        "then add them anew"
+    )
 
 
 def owns(obj, handle):

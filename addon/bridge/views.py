@@ -156,6 +156,37 @@ def swap(address, leaving, coming):
         coming.local_view_set(space, True)
 
 
+def show_again(addresses, sides):
+    """Has the two views of ``split`` show their sides, the own first, of which undo knows nothing."""
+    for address, objects in zip(addresses or (), reversed(sides), strict=False):
+        found = of_address(address)
+        space = found and found[1].spaces.active
+        if space and space.local_view is not None:
+            for obj in objects:
+                obj.local_view_set(space, True)
+
+
+def written(addresses):
+    """Which areas of which screen two views are, as text for a file, or ""."""
+    found = [of_address(address) for address in addresses or ()]
+    if not found or None in found:
+        return ""
+    places = (list(window.screen.areas).index(area) for window, area in found)
+    return "\n".join([found[0][0].screen.name, *map(str, places)])
+
+
+def read(text):
+    """(window, addresses) of the views that ``written`` told of, or None where there are none such."""
+    name, *places = text.split("\n")
+    for window in bpy.context.window_manager.windows:
+        areas = window.screen.areas
+        if window.screen.name == name and all(int(place) < len(areas) for place in places):
+            found = [areas[int(place)] for place in places]
+            if all(area.type == "VIEW_3D" and area.spaces.active.local_view for area in found):
+                return window, [area.as_pointer() for area in found]
+    return None
+
+
 def show_along(obj, other):
     """Has each Local View that shows an object show another one too."""
     for window in bpy.context.window_manager.windows:

@@ -5,29 +5,24 @@ from typing import NamedTuple
 import bpy
 
 from .. import session
-from ..bridge import shape_keys
+from ..bridge import pins, shape_keys
 
 PREVIEW = "Learned Preview"
 
 
 class Shown(NamedTuple):
-    """The object by name, the shapes of its keys as they would be, {name: (n, 3)}, and what it showed before:
-    the place of its active key and whether that was pinned.
-    """
+    """The object by name, and the shapes of its keys as they would be, {name: (n, 3)}."""
 
     object: str
     shapes: dict
-    before: tuple
 
 
 def start(obj, shapes, settings):
     """Looks at ``shapes``, {name: (n, 3)}, of an object, by the rows of the scene's list."""
     stop()
-    before = obj.active_shape_key_index, obj.show_only_shape_key
     shape_keys.write(obj, PREVIEW, next(iter(shapes.values())))
-    obj.active_shape_key_index = obj.data.shape_keys.key_blocks.find(PREVIEW)
-    obj.show_only_shape_key = True
-    session.learned = Shown(obj.name, shapes, before)
+    pins.show(obj, obj.data.shape_keys.key_blocks.find(PREVIEW))
+    session.learned = Shown(obj.name, shapes)
     settings.active_learned = 0
 
 
@@ -48,8 +43,17 @@ def stop():
     """Takes the preview away; the object shows what it did before."""
     shown, session.learned = session.learned, None
     obj = bpy.data.objects.get(shown.object) if shown else None
-    if obj is None:
-        return
+    if obj is not None:
+        take_away(obj)
+
+
+def take_away(obj):
+    """The same of an object that undo, redo or a file brought a preview back to."""
     if obj.data.shape_keys and PREVIEW in obj.data.shape_keys.key_blocks:
         shape_keys.remove(obj, PREVIEW)
-    obj.active_shape_key_index, obj.show_only_shape_key = shown.before
+    pins.give_back(obj)
+
+
+def shows(obj):
+    """Whether the preview is looked at on this object."""
+    return session.learned is not None and session.learned.object == obj.name

@@ -24,6 +24,7 @@ class ByHandles:
         shape = shape_keys.seen(obj, key)
         made = obj.copy()
         made.data = obj.data.copy()
+        made.lissom_shown.on, made.lissom_shown.mends = False, True
         made.name = f"Fix {key.name}"
         for collection in obj.users_collection:
             collection.objects.link(made)
@@ -54,11 +55,16 @@ class ByHandles:
             if made.lissom_pose.bound and obj is not None:
                 self._add(obj, shape_keys.find(obj, self._key), self._posed(context, made))
         finally:
-            _remove(made)
-            views.take_tool(context, self._view, self._tool)
-            if obj is not None:
-                views.swap(self._view, None, obj)
-                context.view_layer.objects.active = obj
+            remove(made)
+            self.give_back(context)
+
+    def give_back(self, context):
+        """The view shows the object again, with the tool that it had."""
+        views.take_tool(context, self._view, self._tool)
+        obj = bpy.data.objects.get(self._obj)
+        if obj is not None:
+            views.swap(self._view, None, obj)
+            context.view_layer.objects.active = obj
 
     def _posed(self, context, made):
         """(n, 3): how far the handles have moved the vertices, solved to the end."""
@@ -86,7 +92,8 @@ def _bare(made):
         pose.property_unset(name)
 
 
-def _remove(made):
+def remove(made):
+    """Takes a mesh to pose away, and its Empties."""
     if made.lissom_pose.bound:
         release(made)
     bound.forget(made)

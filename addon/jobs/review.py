@@ -1,20 +1,17 @@
-"""Review: transferred keys looked at one by one on both meshes, and nothing left changed afterwards.
-
-A key is shown by pinning it (Only Show Active): whatever its value, its drivers and those of the others are,
-it alone is seen, at 1, and there is no value to give back. A muted key is heard as long as it is shown.
-"""
+"""Review: transferred keys looked at one by one on both meshes, and nothing left changed afterwards."""
 
 import bpy
 
 from .. import session
-from ..bridge import checks, shape_keys
+from ..bridge import checks, pins, shape_keys, views
 from ..core.quality import badness
 from ..core.refused import Refused
-from .mend import ByHandles
+from . import learn_shown
+from .mend import ByHandles, remove
 
 
 class Review:
-    """The objects of source and target by name, what they showed before, and the key that they show now."""
+    """The objects of source and target by name, and the key that they show now."""
 
     def __init__(self, context, sides):
         """``sides`` are the objects of the source and of the target."""
@@ -23,18 +20,16 @@ class Review:
                 raise Refused(f"'{obj.name}' is in {obj.mode.lower()} mode: go to Object Mode first")
         settings, layer = context.scene.lissom_transfer, context.view_layer
         self._sides = [[obj.name for obj in side] for side in sides]
-        self._shown = {
-            obj.name: (obj.active_shape_key_index, obj.show_only_shape_key) for side in sides for obj in side
-        }
         self._active = layer.objects.active and layer.objects.active.name
         self._selected = [obj.name for obj in context.selected_objects]
         self._row = settings.active_quality
-        self._muted = []  # (object, key) that are not as long as they are shown
         self._handles = None  # ByHandles while a key is mended by them
         self.key, self.on = "", True
         rows = order(settings)
         if not rows:
             raise Refused("Transfer with Check Quality first")
+        for obj in (obj for side in sides for obj in side):  # the row that is chosen chooses a key
+            pins.remember(obj)
         settings.active_quality = rows[0]
         self.show(settings)
 
@@ -46,25 +41,12 @@ class Review:
         if settings.active_quality >= len(settings.quality):
             return
         row = settings.quality[settings.active_quality]
-        self._mute()
         self.key = row.name
         for side, name in ((0, row.source or row.name), (1, row.name)):
             for obj in self._objects(side):
                 keys = obj.data.shape_keys
                 place = keys.key_blocks.find(name) if keys and self.on else 0
-                obj.active_shape_key_index = max(place, 0)
-                obj.show_only_shape_key = True
-                if place > 0 and keys.key_blocks[place].mute:  # pinned, it would show the Basis
-                    keys.key_blocks[place].mute = False
-                    self._muted.append((obj.name, name))
-
-    def _mute(self):
-        for name, key in self._muted:
-            obj = bpy.data.objects.get(name)
-            keys = obj.data.shape_keys if obj is not None else None
-            if keys and key in keys.key_blocks:
-                keys.key_blocks[key].mute = True
-        self._muted.clear()
+                pins.show(obj, max(place, 0))
 
     def step(self, settings, by):
         """Goes on to the row so many places further, as the list shows them."""
@@ -128,18 +110,31 @@ class Review:
     def lift(self):
         """Takes pins and mutes off, until ``show`` is called again.
 
-        What is being sculpted stays the active key: the strokes are written to that one. What is posed by
-        handles is done: there is no other place for it than the key.
+        What is posed by handles is done: there is no other place for it than the key.
         """
         if self._handles is not None:
             self.rest(bpy.context)
-        self._mute()
-        for name, (place, only) in self._shown.items():
-            obj = bpy.data.objects.get(name)
-            if obj is not None:
-                obj.show_only_shape_key = only
-                if obj.mode == "OBJECT":
-                    obj.active_shape_key_index = place
+        for obj in self._objects(0) + self._objects(1):
+            pins.lift(obj)
+
+    def fixes(self, obj):
+        """Whether a key is mended on this object, which is a copy."""
+        return self._handles is not None and self._handles.find() == obj
+
+    def again(self, context):
+        """Shows the key again after undo or redo, which know of no review."""
+        if self._handles is not None and self._handles.find() is None:
+            self._handles.give_back(context)
+            self._handles = None
+        settings = context.scene.lissom_transfer
+        place = settings.quality.find(self.key)
+        if place < 0:  # undone with the transfer that made it
+            session.review = None
+            return
+        settings.active_quality = place
+        made = self._handles and self._handles.find()
+        views.show_again(session.views, [self._objects(0), [made] if made else self._objects(1)])
+        self.show(settings)
 
     def leave(self, context):
         """Gives everything back as it was before, but for what was mended."""
@@ -151,10 +146,24 @@ class Review:
     def _give_back(self, context):
         settings, layer = context.scene.lissom_transfer, context.view_layer
         settings.active_quality = self._row  # its key becomes the active one
-        self.lift()
+        for obj in self._objects(0) + self._objects(1):
+            pins.give_back(obj)
         for obj in layer.objects:
             obj.select_set(obj.name in self._selected)
         layer.objects.active = layer.objects.get(self._active) if self._active else None
+
+
+def put_right(context):
+    """After undo, redo and loading: a review that goes on is seen, of one that is over nothing is left."""
+    review = session.review
+    if review is not None:
+        review.again(context)
+        review = session.review
+    for obj in list(bpy.data.objects):
+        if obj.lissom_shown.mends and not (review and review.fixes(obj)):
+            remove(obj)
+        elif obj.lissom_shown.on and review is None and not learn_shown.shows(obj):
+            learn_shown.take_away(obj)
 
 
 def order(settings):

@@ -86,6 +86,11 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
             return {"FINISHED"}
         if event.type in {"RET", "NUMPAD_ENTER", "ESC"} and event.value == "PRESS" and self._drag is None:
             return {"FINISHED"}
+        undoes = event.type == "Z" and event.value == "PRESS" and (event.ctrl or event.oskey)
+        if undoes and not event.shift and session.picking.side and self._drag is None:
+            self._picks.remove(context.scene, -1)  # a half is no undo step of Blender's
+            redraw_views()
+            return {"RUNNING_MODAL"}
         if event.type == "TAB" and session.picking.wanted and self._drag is None:
             if event.value == "PRESS":
                 self._picks.skip(context.scene)

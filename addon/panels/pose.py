@@ -182,7 +182,7 @@ class LISSOM_PT_pose(Sidebar, bpy.types.Panel):
         row.operator("lissom.pose_update", icon="FILE_REFRESH").object = obj.name
         row.operator("lissom.pose_reset", text="Reset", icon="LOOP_BACK").object = obj.name
         icon, text = session.status.get(obj.session_uid, ("INFO", "Move an Empty: the mesh follows"))
-        reason = poses.foreign_handles(obj) or poses.rescaled(obj)
+        reason = poses.foreign_handles(obj) or poses.rescaled(obj) or poses.hidden(obj)
         if reason:
             icon, text = "ERROR", reason
         draw_lines(layout, icon, text)

@@ -2,6 +2,7 @@
 
 import bpy
 
+from .. import session
 from ..core.quality import ORDERS, badness
 from ..jobs.corrections import is_edited
 from ..translations import translated
@@ -71,7 +72,9 @@ def draw_review(layout, settings):
     row = labelled(layout, "Fix")
     row.operator("lissom.review_mend", text="Sculpt", icon="SCULPTMODE_HLT").by = "SCULPT"
     row.operator("lissom.review_mend", text="Handles", icon="EMPTY_AXIS").by = "HANDLES"
-    draw_lines(layout, "INFO", "Up and Down: another key. Space: the key on and off. Esc: done")
+    mending = session.review.mending is not None
+    keys = "Up and Down: another key. Space: the key on and off. Esc: done"
+    draw_lines(layout, "INFO", "Esc: back to the review" if mending else keys)
     _draw_table(layout, settings, 15)
 
 

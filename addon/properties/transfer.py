@@ -241,6 +241,9 @@ class LissomTransfer(bpy.types.PropertyGroup):
         ],
     )
 
+    split_views: StringProperty(
+        options={"HIDDEN"}, description="In a file: the two views that were one before"
+    )
     learned: CollectionProperty(type=LissomLearned)
     active_learned: IntProperty(name="Key", update=_show_learned)
     learn_strength: learn_strength_property()

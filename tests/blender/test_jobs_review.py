@@ -7,6 +7,7 @@ import scene
 from bl_ext.user_default.lissom import session
 from bl_ext.user_default.lissom.bridge import shape_keys
 from bl_ext.user_default.lissom.core.refused import Refused
+from bl_ext.user_default.lissom.jobs import learn_shown
 from bl_ext.user_default.lissom.jobs.review import Review, order
 from numpy.testing import assert_allclose
 from test_panels import draw, text
@@ -239,3 +240,56 @@ def test_a_file_saved_meanwhile_keeps_no_pins(reviewed, tmp_path, mending):
     assert not pinned and mutes[target.data.shape_keys.key_blocks.find(review.key)]
     assert mending or active == before[target.name][0]
     review.leave(bpy.context)
+
+
+def meshes():
+    return sorted(obj.name for obj in bpy.data.objects if obj.type == "MESH")
+
+
+def test_undo_and_redo_while_a_key_is_mended_by_handles_leave_the_review_as_it_was(reviewed):
+    review, _, _, before = reviewed
+    bpy.ops.ed.undo_push(message="Review")
+    review.mend(bpy.context, "HANDLES")
+    bpy.ops.ed.undo_push(message="Fix Key")
+    bpy.ops.ed.undo()
+    assert review.mending is None and meshes() == ["Source", "Target"]
+    assert bpy.data.objects["Target"].active_shape_key.name == review.key
+    assert settings().quality[settings().active_quality].name == review.key
+    bpy.ops.ed.redo()
+    assert meshes() == ["Source", "Target"], "a mesh to mend on is of the review that made it"
+    session.review = None
+    review.leave(bpy.context)
+    assert state() == before
+
+
+def test_undo_and_redo_bring_nothing_back_of_a_review_that_is_over(reviewed):
+    review, _, target, _ = reviewed
+    target.data.shape_keys.key_blocks[review.key].mute = True
+    review.show(settings())
+    bpy.ops.ed.undo_push(message="Review")
+    review.mend(bpy.context, "HANDLES")
+    bpy.ops.ed.undo_push(message="Fix Key")
+    review.rest(bpy.context)
+    bpy.ops.ed.undo_push(message="Fixed")
+    session.review = None
+    review.leave(bpy.context)
+    for step in (bpy.ops.ed.undo, bpy.ops.ed.undo, bpy.ops.ed.redo, bpy.ops.ed.redo):
+        step()
+        assert meshes() == ["Source", "Target"]
+        for name, pinned, place in (("Source", True, 2), ("Target", False, 0)):
+            obj = bpy.data.objects[name]
+            assert (obj.show_only_shape_key, obj.active_shape_key_index) == (pinned, place)
+        assert bpy.data.objects["Target"].data.shape_keys.key_blocks[review.key].mute
+
+
+def test_a_preview_of_what_would_be_learned_goes_with_the_undo_that_brings_it_back():
+    _, target = monkeys()
+    shape_keys.ensure_basis(target)
+    learn_shown.start(target, {"a": scene.key_points(target, "Basis")}, settings())
+    bpy.ops.ed.undo_push(message="Preview")
+    learn_shown.stop()
+    bpy.ops.ed.undo_push(message="Done")
+    bpy.ops.ed.undo()
+    target = bpy.data.objects["Target"]
+    assert learn_shown.PREVIEW not in target.data.shape_keys.key_blocks
+    assert not target.show_only_shape_key
