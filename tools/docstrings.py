@@ -1,21 +1,23 @@
 """Makes Markdown of the docstrings, for the site: what they say of an argument becomes an item of a list.
 
-Docstrings are written to be read in an editor: ``name: what it is``, further lines indented, and roles such
-as ``:func:`lissom.image_mesh` ``. mkdocs.yml names this file as an extension of griffe.
+Docstrings are written to be read in an editor: ``name: what it is`` where a paragraph begins or below another
+argument, further lines indented, and roles such as ``:func:`lissom.image_mesh` ``. A line that begins so
+elsewhere is a sentence that was broken there. mkdocs.yml names this file as an extension of griffe.
 """
 
 import re
 
 import griffe
 
-ARGUMENT = re.compile(r"^(?P<names>\w+(?:, \w+)*): (?P<text>.+(?:\n[ ]{4,}.+)*)", re.MULTILINE)
+_ONE = r"\w+(?:, \w+)*: .+(?:\n[ ]{4,}.+)*"
+ARGUMENTS = re.compile(rf"(?:\A|(?<=\n\n)){_ONE}(?:\n{_ONE})*")
+NAMES = re.compile(r"^(\w+(?:, \w+)*): ", re.MULTILINE)
 ROLE = re.compile(r":\w+:`([^`]+)`")
 
 
 def markdown(text):
     """The docstring as Markdown."""
-    text = ARGUMENT.sub(lambda found: f"- `{found['names']}`: {found['text']}", ROLE.sub(r"`\1`", text))
-    return re.sub(r"(?m)^(?!- |$|\s)(.*)\n(?=- )", r"\1\n\n", text)
+    return ARGUMENTS.sub(lambda found: NAMES.sub(r"- `\1`: ", found[0]), ROLE.sub(r"`\1`", text))
 
 
 class Docstrings(griffe.Extension):
