@@ -16,12 +16,24 @@ class Option:
     """One option of a call: everything there is to say about it.
 
     ``kind`` is "bool", "int", "float", "choice" (one of a few strings), "vertices" ((k,) indices), "points"
-    ((k, 3) positions), "mesh" (a Mesh), "shapes" (a list of (time, (n, 3) positions)) or "modes"
-    ((k, n, 3) offsets).
+    ((k, 3) positions), "curves" (a list of (source vertices, target vertices)), "mesh" (a Mesh), "shapes" (a
+    list of (time, (n, 3) positions)), "planes" (a list of (point, normal)) or "modes" ((k, n, 3) offsets).
     """
 
     name: str
-    kind: Literal["bool", "int", "float", "choice", "vertices", "points", "mesh", "shapes", "modes"]
+    kind: Literal[
+        "bool",
+        "int",
+        "float",
+        "choice",
+        "vertices",
+        "points",
+        "curves",
+        "mesh",
+        "shapes",
+        "planes",
+        "modes",
+    ]
     default: bool | int | float | str | None
     """What it is where it is not given; None for nothing."""
     low: int | float | None
@@ -57,8 +69,8 @@ def options(owner: str | None = None) -> tuple[Option, ...]:
 
     "pose" are those of every method, and the choice of the ``method`` itself; "pose.<method>" those of one
     method besides; "pose.solve" those of Pose.solve and Pose.solve_points; "fit" those of
-    fit_correspondence; "transfer", "inbetween" and "blend" those of the classes. The method multiresolution
-    takes the options of its ``base`` too.
+    fit_correspondence; "transfer", "inbetween" and "blend" those of the classes; "learn" and "image_mesh"
+    those of the calls. The method multiresolution takes the options of its ``base`` too.
 
     Raises InvalidValue for any other owner.
     """
