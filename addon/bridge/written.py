@@ -1,4 +1,4 @@
-"""What transfers have written to shape keys, by which one tells what the artist has changed since.
+"""What was written to shape keys, by which one tells what the artist has changed since.
 
 ``Key.lissom_written`` has a row for each key: its offsets from its relative key, as ``kept`` keeps them, and
 the hash of the faces. They lie on the block of the shape keys, so that they are saved, undone, copied and
@@ -15,10 +15,11 @@ from .meshes import signature
 class Written:
     """What is remembered of the shape keys of a mesh object, by the names that they have now."""
 
-    def __init__(self, obj):
-        self._obj, self._rows = obj, {}  # a key's name -> its row's
+    def __init__(self, obj, kind="lissom_written"):
+        """``kind``: "lissom_written" of transfers, or "lissom_made" of what was made of a mesh's own keys."""
+        self._obj, self._kind, self._rows = obj, kind, {}  # a key's name -> its row's
         self._topology = signature(obj.data)
-        rows = self._keys.lissom_written if self._keys else ()
+        rows = self._all
         there = set(self._keys.key_blocks.keys()) if rows else set()
         self._rows = {row.name: row.name for row in rows if row.name in there}
         lost = [row for row in rows if row.name not in there and row.topology == self._topology]
@@ -36,8 +37,12 @@ class Written:
     def _keys(self):
         return self._obj.data.shape_keys
 
+    @property
+    def _all(self):
+        return getattr(self._keys, self._kind) if self._keys else ()
+
     def _row(self, name):
-        return self._keys.lissom_written[self._rows[name]]
+        return self._all[self._rows[name]]
 
     def _offsets(self, name):
         return offsets(self._keys.key_blocks[name])
@@ -96,7 +101,7 @@ class Written:
     def remember(self, name, wanted=None):
         """Keeps what has just been written to a key: offsets (n, 3), by default those that it has."""
         if name not in self._rows:
-            self._keys.lissom_written.add().name = name
+            self._all.add().name = name
             self._rows[name] = name
         row = self._row(name)
         row.topology, row.transferred = self._topology, b""
@@ -104,7 +109,7 @@ class Written:
 
     def tidy(self):
         """Rows take the names that their keys have now; those whose keys are gone go too."""
-        rows = self._keys.lissom_written if self._keys else ()
+        rows = self._all
         now = {row: name for name, row in self._rows.items()}
         for place in reversed(range(len(rows))):
             if rows[place].name in now:

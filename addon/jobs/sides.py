@@ -6,6 +6,7 @@ import numpy as np
 
 from ..bridge import checks, shape_keys
 from ..bridge.meshes import surface
+from ..bridge.written import Written
 from ..core import names, sides
 from ..core.mirrors import AXES
 from ..core.refused import Refused, first
@@ -22,6 +23,7 @@ class SidesAsked(Asked):
     object: str = ""
     keys: str = ""
     exists: str = "UPDATE"
+    edited: str = "KEEP"  # keys that were edited since they were made or transferred, or "OVERWRITE"
 
 
 @dataclass(kw_only=True)
@@ -69,6 +71,7 @@ class _Job:
         self._values = [key.value for key in keys]
         self._vertices, self._triangles = surface(obj)
         self._offsets = np.array([shape_keys.shape(key) - shape_keys.shape(key.relative_key) for key in keys])
+        self._edited = []  # what is kept
         self._made = self._destinations(obj, self._wanted())
         self.work = Work(self._steps())
 
@@ -92,6 +95,9 @@ class _Job:
                 made[place] = given
         if not made:
             raise Refused(f"'{obj.name}' has all of these keys, and If Exists is Skip: nothing to do")
+        if self._asked.edited == "KEEP":
+            self._edited = [name for name in made.values() if name in keys and _is_edited(obj, name)]
+            made = {place: name for place, name in made.items() if name not in self._edited}
         found = [keys[name] for name in made.values() if name in keys]
         for key in found:
             shape_keys.refuse_preview(key)
@@ -103,6 +109,8 @@ class _Job:
         obj = checks.mesh_object(self._name, None)
         checks.require_writable(obj)
         keys, written = obj.data.shape_keys.key_blocks, []
+        known = Written(obj, "lissom_made")
+        known.tidy()
         for place, offsets in found.items():
             name, like = self._made[place], keys.get(self._names[self._like(place)])
             settings = shape_keys.Settings.of(like) if like and name not in keys else None
@@ -110,12 +118,23 @@ class _Job:
                 settings.value = 0.0
             relative = keys[name].relative_key if name in keys else obj.data.shape_keys.reference_key
             shape_keys.write(obj, name, shape_keys.shape(relative) + offsets, settings, relative)
+            known.remember(name)
             written.append(name)
         return written
 
     def _told(self, done, written, away=0.0, warnings=()):
-        told = f"{done} on '{self._name}': {first(repr(name) for name in written)}"
-        return SidesDone(summary=told, warnings=list(warnings), written=written, away=away)
+        told = f"{done} on '{self._name}': {first(repr(name) for name in written) or 'nothing'}"
+        warnings = list(warnings)
+        if self._edited:
+            kept = first(map(repr, self._edited))
+            warnings.append(f"Edited by hand, and kept: {kept}. Overwrite, below the view, replaces them")
+        return SidesDone(summary=told, warnings=warnings, written=written, away=away)
+
+
+def _is_edited(obj, name):
+    """Whether a key is neither as a transfer has written it nor as it was made of others."""
+    states = [Written(obj, kind).state(name) for kind in ("lissom_written", "lissom_made")]
+    return "WRITTEN" not in states and states != ["FOREIGN", "FOREIGN"]
 
 
 class MirrorKeys(_Job):
@@ -199,7 +218,8 @@ class SumKeys(_Job):
         return [(0, self._asked.name)]
 
     def _steps(self):
-        return {0: sides.total(self._offsets, self._values if self._asked.by_value else None)}
+        total = sides.total(self._offsets, self._values if self._asked.by_value else None)
+        return dict.fromkeys(self._made, total)
         yield  # makes it steps: nothing takes long
 
     def write(self, context, found):

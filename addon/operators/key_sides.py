@@ -18,6 +18,17 @@ def _axis():
     )
 
 
+def _edited():
+    return EnumProperty(
+        name="Edited Keys",
+        description="What becomes of shape keys that were edited by hand since they were made or transferred",
+        items=[
+            ("KEEP", "Keep", "They stay as they are"),
+            ("OVERWRITE", "Overwrite", "What was changed by hand is lost"),
+        ],
+    )
+
+
 class _SidesOperator(JobRunner):
     """Mixin: one job on the keys of one object."""
 
@@ -37,6 +48,7 @@ class LISSOM_OT_key_mirror(_SidesOperator, bpy.types.Operator):
     keys: StringProperty(**KEYS)
     axis: _axis()
     exists: exists_property("UPDATE")
+    edited: _edited()
 
     job_class, asked_class = MirrorKeys, MirrorAsked
 
@@ -60,6 +72,7 @@ class LISSOM_OT_key_split(_SidesOperator, bpy.types.Operator):
         precision=3,
     )
     exists: exists_property("UPDATE")
+    edited: _edited()
 
     job_class, asked_class = SplitKeys, SplitAsked
 
@@ -82,6 +95,7 @@ class LISSOM_OT_key_sum(_SidesOperator, bpy.types.Operator):
         name="By Value", description="Each counts as much as its value says, and not wholly", default=True
     )
     exists: exists_property("RENAME")
+    edited: _edited()
 
     job_class, asked_class = SumKeys, SumAsked
 

@@ -103,7 +103,7 @@ class LissomKeyQuality(bpy.types.PropertyGroup):
 
 
 class LissomWritten(bpy.types.PropertyGroup):
-    """What a transfer wrote to one shape key; see bridge.written."""
+    """What was written to one shape key; see bridge.written."""
 
     name: StringProperty(description="Name of the shape key then")
     topology: StringProperty(description="The hash of the faces then")
@@ -297,9 +297,11 @@ def register():
     bpy.types.Scene.lissom_transfer = PointerProperty(type=LissomTransfer)
     bpy.types.Object.lissom_baked = CollectionProperty(type=LissomBaked)
     bpy.types.Key.lissom_written = CollectionProperty(type=LissomWritten)
+    bpy.types.Key.lissom_made = CollectionProperty(type=LissomWritten)
 
 
 def unregister():
+    del bpy.types.Key.lissom_made
     del bpy.types.Key.lissom_written
     del bpy.types.Object.lissom_baked
     del bpy.types.Scene.lissom_transfer

@@ -6,7 +6,7 @@ import pytest
 import scene
 from numpy.testing import assert_allclose
 from test_menus import drawn_into
-from test_transfer import deltas
+from test_transfer import deltas, monkeys
 
 
 def suzanne():
@@ -100,3 +100,51 @@ def test_they_stand_in_the_menu_of_shape_keys():
     made = drawn_into("MESH_MT_shape_key_context_menu")["operators"]
     for what in ("mirror", "split", "sum"):
         assert made[f"lissom.key_{what}"][0]["object"] == obj.name
+
+
+def nudge(obj, name):
+    """Moves a vertex of a key, as sculpting does."""
+    row = obj.data.shape_keys.key_blocks[name].data[5]
+    row.co.x += 0.5
+    return scene.key_points(obj, name)
+
+
+@pytest.mark.parametrize(
+    ("run", "other"),
+    [
+        (lambda **how: bpy.ops.lissom.key_mirror(keys="earLeft", **how), "earRight"),
+        (lambda **how: bpy.ops.lissom.key_split(keys="front", **how), "front.L"),
+        (lambda **how: bpy.ops.lissom.key_sum(keys="earLeft\nfront", exists="UPDATE", **how), "Sum"),
+    ],
+)
+def test_what_was_corrected_by_hand_of_a_key_that_was_made_is_kept(run, other, capfd):
+    obj = suzanne()
+    run()
+    before = scene.key_points(obj, other)
+    run()
+    assert "kept" not in capfd.readouterr().out, "made again it takes the place of the first"
+    edited = nudge(obj, other)
+    run()
+    assert f"Edited by hand, and kept: '{other}'" in capfd.readouterr().out
+    assert_allclose(scene.key_points(obj, other), edited, atol=0)
+    run(edited="OVERWRITE")
+    assert_allclose(scene.key_points(obj, other), before, atol=1e-6)
+
+
+def test_mirroring_keeps_what_was_corrected_of_a_transferred_key_and_transfers_keep_what_was_mirrored():
+    source, target = monkeys()
+    rest = scene.points(source.data.vertices)
+    scene.add_key(source, "lift.L", rest + [0, 0, 0.1] * (rest[:, :1] > 0))
+    scene.add_key(source, "lift.R", rest + [0, 0, 0.1] * (rest[:, :1] < 0))
+    bpy.ops.lissom.transfer_keys()
+    nudge(target, "lift.L")
+    bpy.ops.lissom.key_mirror(object=target.name, keys="lift.L")
+    mirrored = scene.key_points(target, "lift.R")
+    bpy.ops.lissom.transfer_keys()
+    assert_allclose(scene.key_points(target, "lift.R"), mirrored, atol=0)
+    nudge(target, "lift.L")
+    bpy.ops.lissom.key_mirror(object=target.name, keys="lift.L")
+    assert np.abs(scene.key_points(target, "lift.R") - mirrored).max() > 0.4
+    edited = nudge(target, "lift.R")
+    bpy.ops.lissom.key_mirror(object=target.name, keys="lift.L")
+    assert_allclose(scene.key_points(target, "lift.R"), edited, atol=0)

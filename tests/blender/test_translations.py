@@ -47,7 +47,9 @@ def test_plain_words_are_of_messages_that_the_core_has_and_are_translated(table)
         assert said in table, said
         finished = text.format("3, 7, ...", 12)
         assert translations.translated(finished) == said.format("3, 7, ...", 12)
-        assert not re.search("[A-Za-z]{3,} [a-z]{3,} [a-z]", Catalogue(table).said(said.format("3, 7, ...", 12)))
+        assert not re.search(
+            "[A-Za-z]{3,} [a-z]{3,} [a-z]", Catalogue(table).said(said.format("3, 7, ...", 12))
+        )
 
 
 def faults():
