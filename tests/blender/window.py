@@ -9,6 +9,7 @@ Prints one line per check and closes Blender; a failed check leaves the exit cod
 import os
 import pathlib
 import sys
+import tempfile
 import time
 import traceback
 
@@ -412,7 +413,8 @@ def check_row_34_no_second_job_starts_meanwhile():
     yield from until(lambda: session.work is None, 2.0)
 
 
-def check_a_review_shows_keys_in_two_linked_views_and_leaves_nothing_changed():
+def start_review():
+    """Two keys transferred between two tubes, and their review opened; what was before."""
     new_file()
     settings = bpy.context.scene.lissom_transfer
     settings.source, settings.target = scene.tube(8, 8, "Source"), scene.tube(8, 8, "Target")
@@ -421,6 +423,7 @@ def check_a_review_shows_keys_in_two_linked_views_and_leaves_nothing_changed():
     for name, factors in (("wide", [1.3, 1, 1]), ("long", [1, 1, 1.4])):
         scene.add_key(settings.source, name, rest * factors)
     bpy.ops.lissom.transfer_keys()
+    push("transferred")
     yield
     before = review_state()
     with view():
@@ -428,6 +431,12 @@ def check_a_review_shows_keys_in_two_linked_views_and_leaves_nothing_changed():
     yield from until(lambda: len(views()) == 2)
     for _ in range(20):  # until they are framed
         yield
+    return before
+
+
+def check_a_review_shows_keys_in_two_linked_views_and_leaves_nothing_changed():
+    before = yield from start_review()
+    settings = bpy.context.scene.lissom_transfer
     shown = [obj.active_shape_key.name for obj in (settings.source, settings.target)]
     assert shown == [session.review.key] * 2 and settings.target.show_only_shape_key
     own, other = (area.spaces.active.region_3d for area in views())
@@ -442,6 +451,54 @@ def check_a_review_shows_keys_in_two_linked_views_and_leaves_nothing_changed():
         bpy.ops.lissom.review("INVOKE_DEFAULT")  # Done, from there too
     yield from until(lambda: len(views()) == 1, 10.0)
     assert review_state() == before
+
+
+def check_undo_and_redo_while_a_key_is_mended_leave_the_review_as_it_was():
+    before = yield from start_review()
+    key, tool = session.review.key, tool_of_the_views()
+    with view():
+        bpy.ops.lissom.review_mend(by="HANDLES")
+    yield
+    assert tool_of_the_views() == "lissom.pose_tool" and session.review.mending is not None
+    for action in ("undo", "redo"):
+        with window():
+            getattr(bpy.ops.ed, action)()
+        yield from until(lambda: (meshes(), tool_of_the_views()) == (["Source", "Target"], tool), 5.0)
+        settings = bpy.context.scene.lissom_transfer
+        assert session.review.mending is None
+        assert settings.target.active_shape_key.name == key and settings.target.show_only_shape_key
+        for area, obj in zip(views(), (settings.target, settings.source), strict=True):
+            assert obj.visible_get(viewport=area.spaces.active)
+    with view():
+        bpy.ops.lissom.review("INVOKE_DEFAULT")
+    yield from until(lambda: len(views()) == 1, 10.0)
+    assert review_state() == before
+
+
+def meshes():
+    return sorted(obj.name for obj in bpy.data.objects if obj.type == "MESH")
+
+
+def tool_of_the_views():
+    with view():
+        return bpy.context.workspace.tools.from_space_view3d_mode("OBJECT").idname
+
+
+def check_a_file_saved_in_a_review_opens_in_one_view_without_it():
+    yield from start_review()
+    with tempfile.TemporaryDirectory() as folder:
+        path = str(pathlib.Path(folder) / "review.blend")
+        with window():
+            bpy.ops.wm.save_as_mainfile(filepath=path)
+        yield
+        assert len(views()) == 2 and session.review is not None
+        with window():
+            bpy.ops.wm.open_mainfile(filepath=path)
+        yield from until(lambda: len(views()) == 1, 5.0)
+    yield
+    assert views()[0].spaces.active.local_view is None and session.review is None
+    settings = bpy.context.scene.lissom_transfer
+    assert not settings.target.show_only_shape_key and not settings.target.lissom_shown.on
 
 
 def check_a_review_opens_after_face_keys_are_pressed():
