@@ -1,12 +1,17 @@
-"""What files, undo and redo hold of a review: pins, views and a mesh to mend on are of the review alone."""
+"""What is shown for a while is not for files, undo and redo: pins and views of a review, colours of a fit."""
+
+import contextlib
 
 import bpy
 from bpy.app.handlers import persistent
 
 from . import session
 from .bridge import views
+from .core.refused import Refused
+from .jobs import fit_shown
 from .jobs.review import put_right
 
+_coloured = False  # whether the colours of a fit are shown again when the file is saved
 LOADED = 0.1  # seconds: a file is on the screen by then
 
 
@@ -15,6 +20,9 @@ def _before(*_):
     bpy.context.scene.lissom_transfer.split_views = views.written(session.views)
     if session.review is not None:
         session.review.lift()
+    global _coloured
+    _coloured = bool(fit_shown.coloured())
+    fit_shown.hide(bpy.context)
 
 
 @persistent
@@ -22,14 +30,22 @@ def _after(*_):
     bpy.context.scene.lissom_transfer.split_views = ""
     if session.review is not None:
         session.review.show(bpy.context.scene.lissom_transfer)
+    if _coloured:
+        with contextlib.suppress(Refused):  # the meshes were changed since the fit
+            fit_shown.show(bpy.context)
 
 
 @persistent
 def _on_history(*_):
     if bpy.app.background:
-        put_right(bpy.context)
+        _put_right()
     else:  # Blender is not done yet
-        bpy.app.timers.register(lambda: put_right(bpy.context), first_interval=0.0)
+        bpy.app.timers.register(_put_right, first_interval=0.0)
+
+
+def _put_right():
+    put_right(bpy.context)
+    fit_shown.put_right()
 
 
 @persistent

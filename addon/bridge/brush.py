@@ -8,7 +8,7 @@ from mathutils import Matrix, Vector
 
 from ..core import brush, names
 from ..core.refused import Refused
-from . import empties, groups, meshes, poses
+from . import empties, groups, meshes
 
 REACH = 16  # pixels: so near to its Empty a click is on a handle
 
@@ -64,20 +64,19 @@ def handle_of(obj, vertex):
     return None
 
 
-def add(context, obj, found, radius, pin=False):
+def add(context, obj, found, radius, shapes, pin=False):
     """Makes a handle of what a brush of ``radius`` pixels touches, or a pin; returns its row in the list.
 
-    Where the mesh is bound and posed, its vertices stay where they are shown: the Empty begins there.
+    ``shapes`` are the mesh at rest and as it is posed now, (n, 3) each in the object's own coordinates: posed
+    vertices stay where they are, and the Empty begins there.
     """
-    settings = obj.lissom_pose
-    posed = _posed(obj)
+    settings, (rest, posed) = obj.lissom_pose, shapes
     edges = meshes.edges(obj.data)
     scale = np.array(obj.matrix_world)[:3, :3].T
     indices, weights = brush.touched(posed @ scale, edges, found.vertex, radius * found.pixel)
     taken = groups.members(obj, [handle.name for handle in settings.handles])
     free = ~np.isin(indices, np.concatenate([*taken.values(), np.zeros(0, dtype=np.int64)]))
     indices, weights = indices[free], weights[free]
-    rest = meshes.rest_positions(obj.data)
     name = names.unused("Pin" if pin else "Touch", obj.vertex_groups.keys())
     values = np.zeros(len(rest))
     values[indices] = weights
@@ -97,13 +96,6 @@ def add(context, obj, found, radius, pin=False):
             empties.place(obj, row.empty, moved @ np.array(row.rest).reshape(4, 4))
     context.view_layer.update()
     return row
-
-
-def _posed(obj):
-    """(n, 3): the rest shape as the handles have it now, in the object's own coordinates."""
-    if not obj.lissom_pose.bound:
-        return meshes.rest_positions(obj.data)
-    return meshes.positions(poses.preview(obj).points)
 
 
 def drag(context, empty, start, before, spot):

@@ -3,7 +3,7 @@
 import bpy
 
 from ..core import names
-from . import empties
+from . import checks, empties
 
 
 def rename(obj, handle, wanted):
@@ -34,10 +34,13 @@ def rename(obj, handle, wanted):
 
 
 def select(obj, handle):
-    """Selects the Empty of a handle and nothing else, where the artist is in Object Mode and sees it."""
+    """Selects the Empty of a handle and nothing else, in Object Mode; one that was hidden is shown again."""
     layer = bpy.context.view_layer
     empty = handle.empty
     if bpy.context.mode != "OBJECT" or not empties.is_alive(empty) or empty.name not in layer.objects:
+        return
+    empty.hide_set(False)
+    if not checks.is_shown(empty):  # by its collection, or in all views
         return
     for other in layer.objects:
         other.select_set(other == empty)

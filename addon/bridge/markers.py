@@ -200,6 +200,7 @@ def append(scene, pairs, source, target):
     for marker in pairs:
         known.append(marker if marker.name else marker._replace(name=markers.new_name(known)))
     put(scene, known, source, target)
+    scene.lissom_transfer.show_markers = True
     scene.lissom_transfer.active_marker = len(scene.lissom_transfer.markers) - 1
 
 

@@ -11,6 +11,7 @@ from ..core.refused import Refused
 from .generative import evaluated
 from .meshes import positions
 
+SURROUNDINGS = 0.15  # of a mesh: so much of it is shown around a place
 SENSOR = 72.0  # millimetres: what a view shows at a distance of its lens; Blender doubles the 36 of a camera
 
 
@@ -144,6 +145,22 @@ def look_at(area, points, towards=None):
         across / max(size),
         data.is_perspective,
     )
+
+
+def show_places(context, objects, at, vertices, towards):
+    """Has a view that shows some objects look at places (k, 3) with a part of the mesh (n, 3) around them.
+
+    ``towards`` (3,) is the way to look. It is the own view before others; nothing where none shows them.
+    """
+    shown = [area for area in context.screen.areas if area.type == "VIEW_3D"] if context.screen else []
+    shown.sort(key=lambda area: area != context.area)
+    for area in shown:
+        if all(obj.visible_get(viewport=area.spaces.active) for obj in objects):
+            around = SURROUNDINGS * np.ptp(vertices, axis=0).max()
+            ends = np.array([at.min(axis=0) - around, at.max(axis=0) + around])
+            corners = np.array([ends[list(corner), range(3)] for corner in np.ndindex(2, 2, 2)])
+            look_at(area, corners, towards)
+            return
 
 
 def swap(address, leaving, coming):

@@ -29,6 +29,7 @@ class Catalogue:
         # The one that says most is tried first; what stands behind a message is no part of its last value.
         made.sort(key=lambda text: (text != PLACES, -len(FIELD.sub("", text))))
         self._templates = [(_pattern(text), *_names(text), table[text]) for text in made]
+        self._places = made.index(PLACES) if PLACES in made else -1
         self.said = functools.lru_cache(maxsize=1024)(self._said)
 
     def _said(self, text):
@@ -53,15 +54,20 @@ class Catalogue:
 
     def _match(self, text):
         """The place of the template that a message was made of, and its match: behind all, None."""
-        for place, (pattern, *_) in enumerate(self._templates):
+        for place, (pattern, _, names, _) in enumerate(self._templates):
             found = pattern.fullmatch(text)
-            if found:
+            if found and (place == self._places or not _takes_more(found, names)):
                 return place, found
         return len(self._templates), None
 
     def _says_more(self, text, place):
         """Whether a message is known by more than the template at this place."""
         return text in self._exact or self._match(text)[0] < place
+
+
+def _takes_more(found, names):
+    """Whether a value of a match is another message and a part of this one."""
+    return any("; " in value for value, name in zip(found.groups(), names, strict=True) if not name)
 
 
 def _pattern(template):

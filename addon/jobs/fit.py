@@ -94,12 +94,17 @@ class FitDone(Done):
 
 def summary(report):
     """How good a fit is, in one line."""
-    certainty = report["certainty"]
-    sure = f", {min(99, round(100 * certainty))} % sure how the meshes lie" if certainty < 1 else ""
-    return (
+    told = (
         f"Fit: {report['distance_mean_percent']:.2f} % off on average, "
-        f"{report['unmatched_target_percent']:.1f} % of the target unmatched{sure}"
+        f"{report['unmatched_target_percent']:.1f} % of the target unmatched"
     )
+    return "; ".join([told, *sure(report)])
+
+
+def sure(report):
+    """How sure it is that the meshes lie as they were taken to, where that is not certain: lines."""
+    certainty = report["certainty"]
+    return [f"{min(99, round(100 * certainty))} % sure how the meshes lie"] if certainty < 1 else []
 
 
 def where(objects):

@@ -28,6 +28,10 @@ def show(context):
             before = colours.show(obj, own)
             if before is not None:
                 session.colours[obj.session_uid] = before
+    _shade()
+
+
+def _shade():
     for place, shading in colours.shadings():
         session.shadings.setdefault(place, (shading.type, shading.color_type))
         shading.type, shading.color_type = "SOLID", "VERTEX"
@@ -41,6 +45,14 @@ def hide(context):
         if place in session.shadings:
             kind, shading.color_type = session.shadings.pop(place)
             shading.type = kind
+
+
+def put_right():
+    """After undo and redo: views show the colours where these are there, else what they showed before."""
+    if coloured():
+        _shade()
+    elif session.shadings:
+        hide(bpy.context)
 
 
 def _hide(obj):

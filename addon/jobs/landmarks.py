@@ -14,7 +14,7 @@ from ..core.refused import Refused
 from ..core.surface import closest
 from ..core.transfer import fit_work
 from . import Done
-from .fit import Request
+from .fit import Request, sure
 
 
 @dataclass(kw_only=True)
@@ -64,7 +64,5 @@ class GuessLandmarks:
             added.append(markers.Marker.between(name, *pair)._replace(guessed=True))
         bridge_markers.put(context.scene, kept, *ends)
         bridge_markers.append(context.scene, added, *ends)
-        certainty = fit.report["certainty"]
-        sure = f", {min(99, round(100 * certainty))} % sure how the meshes lie" if certainty < 1 else ""
-        told = f"{len(added)} landmarks guessed{sure}: drag what is off, then confirm"
-        return GuessDone(summary=told, warnings=[], guessed=[marker.name for marker in added])
+        told = [f"{len(added)} landmarks guessed: drag what is off, then confirm", *sure(fit.report)]
+        return GuessDone(summary="; ".join(told), warnings=[], guessed=[marker.name for marker in added])

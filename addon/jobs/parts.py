@@ -2,8 +2,10 @@
 
 import os
 
-from ..bridge import checks
-from ..bridge.meshes import select_vertices
+import numpy as np
+
+from ..bridge import checks, views
+from ..bridge.meshes import rest_positions, select_vertices
 from ..core.files import write_json
 from ..core.quality import as_dicts, unpack_faces
 from ..core.refused import Refused
@@ -62,6 +64,22 @@ def select_faces(context, key):
         keys = obj.data.shape_keys
         if keys and key in keys.key_blocks:
             obj.active_shape_key_index = keys.key_blocks.find(key)
+    for obj, own in found.items():
+        _look_at(context, obj, own)
     count = sum(map(len, faces.values()))
-    told = f"{count} faces to look at: {', '.join(row.reasons.splitlines())}"
+    told = f"{count} faces to look at, which Edit Mode shows selected: {', '.join(row.reasons.splitlines())}"
     return Done(summary=told, warnings=[])
+
+
+def _look_at(context, obj, faces):
+    places, polygons = views.places(obj), obj.data.polygons
+    if len(places) != len(obj.data.vertices):  # modifiers make others
+        places = (
+            rest_positions(obj.data) @ np.array(obj.matrix_world)[:3, :3].T + obj.matrix_world.translation
+        )
+    corners = np.unique([v for face in faces for v in polygons[face].vertices])
+    outward = np.sum([polygons[face].area * polygons[face].normal for face in faces], axis=0)
+    towards = -np.array(obj.matrix_world.to_3x3()) @ outward
+    views.show_places(
+        context, [obj], places[corners], places, towards if towards.any() else np.array([0, 1.0, 0])
+    )

@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 from mathutils import Vector
 
-from ..bridge import brush, checks
+from ..bridge import brush, checks, meshes, poses, standing
+from ..bridge.generative import evaluated
+from . import bound
 from .pose import Bind, bind_asked
 
 
@@ -34,8 +36,23 @@ def on(context, obj, found, radius, pin=False):
     name = brush.handle_of(obj, found.vertex)
     made = name is None
     if made:
-        name = brush.add(context, obj, found, radius, pin).name
+        name = add(context, obj, found, radius, pin).name
     return _taken(context, obj, name, found.place, made)
+
+
+def add(context, obj, found, radius, pin=False):
+    """A new handle of a bridge.brush.Hit, or a pin; its row in the list."""
+    return brush.add(context, obj, found, radius, _shapes(obj), pin)
+
+
+def _shapes(obj):
+    """The mesh at rest and as it is posed now, as Bind takes or took it: standing or not."""
+    if not obj.lissom_pose.bound:
+        return [standing.shown(obj)] * 2
+    skin = bound.skin_of(obj)
+    if skin is None:
+        return meshes.rest_positions(obj.data), meshes.positions(poses.preview(obj).points)
+    return skin.shown, meshes.positions(evaluated(obj).data.vertices)
 
 
 def _taken(context, obj, name, place, made):

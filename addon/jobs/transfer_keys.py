@@ -97,10 +97,11 @@ class TransferKeys:
             written[obj.name] = list(plan.values())
         renamed = [new for plan in self._plan for old, new in plan.items() if new != old]
         reached = [obj for obj, plan in zip(targets, self._plan, strict=True) if plan]
-        note = f", renamed: {first(dict.fromkeys(renamed))}" if renamed else ""
-        count = sum(map(len, written.values()))
+        told = [f"{sum(map(len, written.values()))} shape keys on {where(reached or targets)}"]
+        if renamed:
+            told.append(f"renamed: {first(dict.fromkeys(renamed))}")
         return KeysDone(
-            summary=f"{count} shape keys on {where(reached or targets)}{note}",
+            summary="; ".join(told),
             warnings=[
                 *warnings,
                 *self._corrections.warnings(),

@@ -75,6 +75,7 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
 
     def _stop(self, context):
         session.picking = None
+        context.scene.lissom_transfer.show_markers = True  # also where an undo went behind the start
         self._jumps.back()
         context.workspace.status_text_set(None)
         redraw_views()
@@ -84,18 +85,11 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
         settings = context.scene.lissom_transfer
         if session.picking is None or None in (settings.source, settings.target):
             return {"FINISHED"}
-        if event.type in {"RET", "NUMPAD_ENTER", "ESC"} and event.value == "PRESS" and self._drag is None:
-            return {"FINISHED"}
-        undoes = event.type == "Z" and event.value == "PRESS" and (event.ctrl or event.oskey)
-        if undoes and not event.shift and session.picking.side and self._drag is None:
-            self._picks.remove(context.scene, -1)  # a half is no undo step of Blender's
+        answer = _key(event, self._picks, context.scene) if self._drag is None else None
+        if answer:
+            self._say(context)
             redraw_views()
-            return {"RUNNING_MODAL"}
-        if event.type == "TAB" and session.picking.wanted and self._drag is None:
-            if event.value == "PRESS":
-                self._picks.skip(context.scene)
-                self._say(context)
-            return {"RUNNING_MODAL"}
+            return answer
         if event.type == "MOUSEMOVE":
             self._picks.ask(context.scene)
             self._say(context)
@@ -173,6 +167,27 @@ class LISSOM_OT_marker_pick(bpy.types.Operator):
             self._picks.moved(context.scene, index, side, before)
         redraw_views()
         return {"RUNNING_MODAL"}
+
+
+def _key(event, picks, scene):
+    """What a key does while nothing is dragged: an answer of modal(), or None."""
+    pressed = event.value == "PRESS"
+    if event.type in {"RET", "NUMPAD_ENTER", "ESC"} and pressed:
+        return {"FINISHED"}
+    if (
+        event.type == "Z"
+        and (event.ctrl or event.oskey)
+        and not event.shift
+        and session.picking.side
+        and pressed
+    ):
+        picks.remove(scene, -1)  # a half is no undo step of Blender's
+        return {"RUNNING_MODAL"}
+    if event.type == "TAB" and session.picking.wanted:
+        if pressed:
+            picks.skip(scene)
+        return {"RUNNING_MODAL"}
+    return None
 
 
 def _push(message):

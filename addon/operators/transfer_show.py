@@ -15,8 +15,6 @@ from ..jobs.fit_shown import coloured, hide, show
 from ..translations import translated
 from .job import allowed, answering
 
-SURROUNDINGS = 0.15  # of the mesh: so much of it is shown around a place
-
 
 class LISSOM_OT_fit_show(bpy.types.Operator):
     """Show how well the last fit lies, as colours on both meshes, or take the colours away"""
@@ -62,28 +60,9 @@ class LISSOM_OT_fit_place(bpy.types.Operator):
         for obj, own in zip(side.objects(), side.split(inside), strict=True):
             checks.require_writable(obj, keys=False)
             select_vertices(obj, np.flatnonzero(own))
-        area = _showing(context, side.objects())
-        if area is not None:
-            views.look_at(area, _with_surroundings(places, side.rest()), towards)
+        views.show_places(context, side.objects(), places, side.rest(), towards)
         show(context)
         self.report({"INFO"}, translated(fault.line))
-
-
-def _with_surroundings(places, vertices):
-    """(8, 3): corners of a box around places, with a part of the mesh around them."""
-    around = SURROUNDINGS * np.ptp(vertices, axis=0).max()
-    ends = np.array([places.min(axis=0) - around, places.max(axis=0) + around])
-    return np.array([ends[list(corner), range(3)] for corner in np.ndindex(2, 2, 2)])
-
-
-def _showing(context, objects):
-    """The 3D view to turn to some objects: one that shows them, the own one before others; or None."""
-    shown = [area for area in context.screen.areas if area.type == "VIEW_3D"] if context.screen else []
-    shown.sort(key=lambda area: area != context.area)
-    for area in shown:
-        if all(obj.visible_get(viewport=area.spaces.active) for obj in objects):
-            return area
-    return None
 
 
 class LISSOM_OT_marker_suggest(bpy.types.Operator):

@@ -8,7 +8,7 @@ from ..core.refused import first
 from ..drawing import ghost
 from ..layouts import split_column
 from ..properties.inbetween import SETTINGS, PathSettings
-from ..translations import translated
+from ..translations import CONTEXT, translated
 from .common import Sidebar, draw_fold, draw_lines, draw_warnings, fits, labelled
 from .presets import draw_presets
 from .ticks import TickList, draw_ticks
@@ -42,15 +42,15 @@ class LISSOM_UL_arc_keys(TickList, bpy.types.UIList):
 
     def chosen(self, context):
         """The ticks."""
-        return context.lissom_object.lissom_inbetween.chosen
+        return checks.active_mesh(context).lissom_inbetween.chosen
 
     def offered(self, context):
         """Names of the keys that can be ticked."""
-        obj = context.lissom_object
+        obj = checks.active_mesh(context)  # lists know no pointers of the panel
         return arcs.offered(obj, obj.lissom_inbetween.start)
 
     def draw_more(self, context, row, item, toggle):
-        toggle.object = context.lissom_object.name
+        toggle.object = checks.active_mesh(context).name
 
 
 class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
@@ -90,7 +90,7 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
         if settings.sampling == "TOLERANCE":
             column.prop(settings, "tolerance")
         else:
-            column.prop(settings, "count", text="Number")
+            column.prop(settings, "count", text="Number", text_ctxt=CONTEXT)
         column.prop(settings, "easing")
         if not settings.several:
             column.prop(settings, "slider", placeholder=f"{settings.end} arc" if settings.end else "")
@@ -126,7 +126,7 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
         stale = [name for name in session.stale.get(obj.session_uid, []) if not lost.get(name)]
         layout.label(text="Sliders:")
         if stale:
-            draw_lines(layout, "ERROR", f"{len(stale)} are out of date: an end of theirs was changed since")
+            draw_lines(layout, "ERROR", f"Out of date, since an end was changed: {first(map(repr, stale))}")
             layout.operator("lissom.inbetween_update_all", icon="FILE_REFRESH").object = obj.name
         ready = settings.exported
         if ready:

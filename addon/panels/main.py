@@ -7,7 +7,7 @@ from ..core import build
 from ..layouts import TAB
 from ..properties.main import PAGES
 from ..translations import translated
-from .common import draw_lines, shares
+from .common import ICON, draw_lines, fits, shares
 
 
 class LISSOM_PT_main(bpy.types.Panel):
@@ -31,7 +31,13 @@ class LISSOM_PT_main(bpy.types.Panel):
             fraction, stage = session.work.progress
             row.progress(factor=fraction, text=translated(f"{stage} (ESC cancels)"))
             return
-        for page, part in shares([label for _, label, _ in PAGES]):  # prop(expand=True) would cut the longest
+        labels = [label for _, label, _ in PAGES]
+        if not fits(" ".join(map(translated, labels)), ICON * len(labels)):
+            column = self.layout.column(align=True)
+            for name, *_ in PAGES:
+                column.prop_enum(context.window_manager, "lissom_page", name)
+            return
+        for page, part in shares(labels):  # prop(expand=True) would cut the longest
             split = row.split(factor=part, align=True)
             split.prop_enum(context.window_manager, "lissom_page", PAGES[page][0])
             row = split.row(align=True)

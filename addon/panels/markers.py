@@ -8,8 +8,10 @@ from ..bridge.assembly import both_sides
 from ..core.refused import Refused
 from ..layouts import split_column
 from ..translations import translated
-from .common import draw_lines
+from .common import draw_lines, fits
 from .fit import FIT_OPTIONS, doubts
+
+MARKER_ROW = 130  # pixels of what stands beside a name: number, signs, the list's edge and its buttons
 
 
 class LISSOM_UL_markers(bpy.types.UIList):
@@ -27,8 +29,6 @@ class LISSOM_UL_markers(bpy.types.UIList):
         if item.guessed:
             row.prop(item, "guessed", text="", icon="QUESTION", emboss=False)
         row.prop(item, "name", text="", emboss=False)
-        row.prop(item, "mirror", text="", icon="MOD_MIRROR", emboss=False)
-        row.operator("lissom.marker_show", text="", icon="RESTRICT_SELECT_OFF", emboss=False).index = index
 
 
 class LISSOM_MT_markers(bpy.types.Menu):
@@ -75,6 +75,11 @@ def draw_markers(layout, context):
         row = layout.row(align=True)
         row.prop(active, "source", text="Source")
         row.prop(active, "target", text="Target")
+        row.prop(active, "mirror", text="", icon="MOD_MIRROR")
+        show = row.operator("lissom.marker_show", text="", icon="RESTRICT_SELECT_OFF")
+        show.index = settings.active_marker
+        if not fits(active.name, MARKER_ROW):
+            draw_lines(layout, "NONE", active.name)
         _, doubt = doubts(settings).get(active.ends, (None, ""))
         if doubt:
             draw_lines(layout, "ERROR", f"This pair is {doubt}")

@@ -320,7 +320,7 @@ def test_rows_of_markers_and_keys():
     settings = bpy.context.scene.lissom_transfer
     settings.markers.add().name = "nose"
     row = draw(bpy.types.LISSOM_UL_markers, settings, settings.markers[0], 0, settings, "active_marker", 0)
-    assert row["operators"]["lissom.marker_show"] == [{"index": 0}]
+    assert row["settings"] == ["name"]
     row = draw(bpy.types.LISSOM_UL_keys, source.data.shape_keys, key, 0, source, "active_shape_key_index")
     assert row["operators"]["lissom.transfer_choose"] == [{"action": "TOGGLE", "key": "K"}]
     assert "lissom.marker_load" in draw(bpy.types.LISSOM_MT_markers)["operators"]
@@ -458,7 +458,7 @@ def test_several_arcs_are_ticked_and_baked_by_one_button(panels):
     bpy.ops.lissom.inbetween_bake_all(object="Tube", keys="full", count=1)
     session.stale[obj.session_uid] = ["full arc"]
     drawn = draw(panels["inbetween"])
-    assert "out of date" in text(drawn) and "lissom.inbetween_update_all" in drawn["operators"]
+    assert "Out of date" in text(drawn) and "lissom.inbetween_update_all" in drawn["operators"]
 
 
 def test_work_is_shown_on_top_in_place_of_the_pages(monkeypatch):

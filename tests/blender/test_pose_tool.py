@@ -12,7 +12,7 @@ from mathutils import Matrix, Vector
 
 def click(obj, vertex, radius=40, pixel=0.02, pin=False):
     found = brush.Hit(vertex, obj.matrix_world @ obj.data.vertices[vertex].co, pixel)
-    return brush.add(bpy.context, obj, found, radius, pin)
+    return touch.add(bpy.context, obj, found, radius, pin)
 
 
 def middle(obj):

@@ -83,6 +83,12 @@ def test_what_the_core_says_of_real_input_is_chinese_to_the_last_word(table):
     assert not left, left
 
 
+def test_no_value_stands_right_behind_another(table):
+    """Such two could not be told apart in a finished message; but for a word that is there or not."""
+    adjacent = [text for text in table if "}{" in text]
+    assert adjacent == ["be from {0}{1} to {2}{3}", "moves {0}{1} % as far as on the source"]
+
+
 def test_placeholders_agree(table):
     wrong = [
         text for text, said in table.items() if sorted(FIELD.findall(text)) != sorted(FIELD.findall(said))
@@ -107,6 +113,12 @@ def test_it_is_chinese(table):
         ("'Head' is in edit mode: go to Object Mode first", "“Head”处于编辑模式：请先切换到物体模式"),
         ("Shape keys 'a', 'b' are locked: unlock them in the list of shape keys", "“a”, “b”"),
         ("12 marker pairs and 3 curves from a.json", "来自 a.json 的 12 个标记对和 3 条曲线"),
+        ("2 shape keys on 'Other'", "'Other' 上有 2 个形态键"),
+        ("1 shape keys on 3 objects; renamed: a.001", "3 个物体 上有 1 个形态键; 已重命名：a.001"),
+        (
+            "Fit: 0.03 % off on average, 0.0 % of the target unmatched; 99 % sure how the meshes lie",
+            "适配：平均偏离 0.03 %，目标有 0.0 % 未匹配; 对网格的相对位置有 99 % 的把握",
+        ),
         ("bent arc: Curve 3", "bent arc: 曲线 3"),
         ("Something else", "Something else"),
     ],
