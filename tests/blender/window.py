@@ -518,6 +518,61 @@ def check_a_review_opens_after_face_keys_are_pressed():
     yield from until(lambda: len(views()) == 1, 10.0)
 
 
+def check_colours_of_a_fit_are_not_in_files_nor_left_behind_by_undo():
+    new_file()
+    settings = bpy.context.scene.lissom_transfer
+    settings.source, settings.target = scene.tube(8, 8, "Source"), scene.tube(8, 8, "Target")
+    settings.target.location.x = 5
+    push("meshes")
+    with view():
+        bpy.ops.lissom.transfer_fit()
+        push("fitted")
+        bpy.ops.lissom.fit_show()
+        push("shown")
+    yield
+    shading, before = views()[0].spaces.active.shading, "MATERIAL"
+    assert shading.color_type == "VERTEX"
+    with window():
+        bpy.ops.ed.undo()
+    yield from until(lambda: shading.color_type == before, 5.0)
+    with window():
+        bpy.ops.ed.redo()
+    yield from until(lambda: shading.color_type == "VERTEX", 5.0)
+    with tempfile.TemporaryDirectory() as folder, window():
+        path = str(pathlib.Path(folder) / "shown.blend")
+        bpy.ops.wm.save_as_mainfile(filepath=path)
+        assert shading.color_type == "VERTEX" and package.jobs.fit_shown.coloured()
+        bpy.ops.wm.open_mainfile(filepath=path)
+    yield
+    assert not package.jobs.fit_shown.coloured() and views()[0].spaces.active.shading.color_type == before
+
+
+def check_several_keys_can_be_ticked_in_their_list():
+    new_file()
+    obj = scene.tube(8, 8)
+    for name in ("wide", "long"):
+        scene.add_key(obj, name, 1.1 * scene.points(obj.data.vertices))
+    obj.lissom_inbetween.several = True
+    bpy.context.window_manager.lissom_page = "INBETWEEN"
+    lister, drawn = bpy.types.LISSOM_UL_arc_keys, []
+    before, lister.draw_more = (
+        lister.draw_more,
+        lambda self, context, row, item, toggle: (
+            drawn.append(item.name),
+            before(self, context, row, item, toggle),
+        ),
+    )
+    area = views()[0]
+    area.spaces.active.show_region_ui = True
+    for _ in range(10):  # until it is drawn
+        yield
+    next(region for region in area.regions if region.type == "UI").active_panel_category = "Lissom"
+    try:
+        yield from until(lambda: {"wide", "long"} <= set(drawn), 10.0)
+    finally:
+        lister.draw_more = before
+
+
 def view():
     """The context of a button in the sidebar of the first view."""
     area = views()[0]
