@@ -1,5 +1,6 @@
 """How operators answer: errors become reports, and long work runs beside Blender."""
 
+import contextlib
 import functools
 
 import bpy
@@ -93,7 +94,7 @@ class JobOperator:
         if work.finished:
             return self.finish(context, work.result)
         session.work = work
-        self._history = session.history
+        self._history, self._scene = session.history, context.scene.session_uid
         manager = context.window_manager
         self._timer = manager.event_timer_add(POLL_SECONDS, window=context.window)
         manager.modal_handler_add(self)
@@ -124,7 +125,17 @@ class JobOperator:
             self._show(context, work)
             return {"PASS_THROUGH"}
         session.work = None  # what follows, as a review, is not to wait for it
-        return self.finish(context, work.result)
+        with self._where_it_began(context):
+            return self.finish(context, work.result)
+
+    def _where_it_began(self, context):
+        """The scene that asked is the context's, also where another one is shown by now."""
+        scene = next((one for one in bpy.data.scenes if one.session_uid == self._scene), None)
+        if scene is None:
+            raise Refused("The scene was deleted while Lissom was at work: nothing was changed")
+        if scene == context.scene:
+            return contextlib.nullcontext()
+        return context.temp_override(scene=scene, view_layer=scene.view_layers[0])
 
     def cancel(self, context):
         """Blender ends the operator: a file is loaded, or Blender quits."""

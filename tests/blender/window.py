@@ -615,6 +615,24 @@ def check_row_42_the_object_is_deleted_while_the_job_runs():
     assert "Tube" not in bpy.data.objects
 
 
+def check_what_a_job_finds_goes_to_the_scene_that_asked():
+    new_file()
+    settings = bpy.context.scene.lissom_transfer
+    settings.source, settings.target = scene.tube(8, 8, "Source"), scene.tube(8, 8, "Target")
+    scene.add_key(settings.source, "wide", scene.points(settings.source.data.vertices) * [1.3, 1, 1])
+    yield
+    first, other = bpy.context.scene, bpy.data.scenes.new("Other")
+    with view():
+        assert bpy.ops.lissom.transfer_keys("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
+    bpy.context.window_manager.windows[0].scene = other
+    yield from until(lambda: session.work is None, 20.0)
+    yield
+    assert "wide" in bpy.data.objects["Target"].data.shape_keys.key_blocks
+    assert len(first.lissom_transfer.quality) == 1 and not len(other.lissom_transfer.quality)
+    bpy.context.window_manager.windows[0].scene = first
+    bpy.data.scenes.remove(other)
+
+
 def check_row_42_undo_while_the_job_runs():
     start_long_job()
     yield
