@@ -46,8 +46,11 @@ def is_stale(obj, arc):
 def missing(obj, arc):
     """Names of the shape keys that an arc lies between, or goes through, and that are gone."""
     keys = obj.data.shape_keys.key_blocks if obj.data.shape_keys else {}
-    names_of_arc = [arc.start, arc.end, *(name for name, _ in core_inbetween.stops(arc.through))]
-    return [name for name in names_of_arc if name and name not in keys]
+    try:
+        through = [name for name, _ in core_inbetween.stops(arc.through)]
+    except Refused:  # half typed
+        through = []
+    return [name for name in (arc.start, arc.end, *through) if name and name not in keys]
 
 
 def find_ends(obj, arc):

@@ -12,7 +12,7 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from .. import changes, preferences
-from ..bridge import checks
+from ..bridge import arcs, checks
 from ..bridge.picking import ui_scale
 from ..bridge.screen import redraw_sidebars, redraw_views
 from ..core.ghost import light, normals
@@ -166,6 +166,8 @@ def _draw():
     ghost = of(obj) if obj is not None else None
     settings = obj.lissom_inbetween if obj is not None else None
     if ghost is None or ghost.shapes is None or not settings.ghost or not obj.visible_get():
+        return
+    if arcs.missing(obj, settings):
         return
     gpu.state.blend_set("ALPHA")
     gpu.matrix.push()

@@ -73,7 +73,11 @@ class Ghost:
     def _take(self, sampled):
         self.triangles = self._ends.mesh.triangles
         self.times = np.asarray(sampled.knots)
-        self.shapes = np.array(self._ends.back(sampled.shapes), dtype=np.float32)
+        shapes = np.array(self._ends.back(sampled.shapes), dtype=np.float32)
+        if not ghost.ways(shapes).any():
+            self.message = "This shape key moves nothing yet"
+            return
+        self.shapes = shapes
         few = len(self.times) <= SAMPLES_LARGE + 2
         self.steps = [len(self.times) // 2] if few else list(range(EVERY, len(self.times) - 1, EVERY))
 

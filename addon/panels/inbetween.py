@@ -103,8 +103,11 @@ class LISSOM_PT_inbetween(Sidebar, bpy.types.Panel):
         layout.prop(settings, "ghost", icon="GHOST_ENABLED" if settings.ghost else "GHOST_DISABLED")
         shadow = ghost.of(obj)
         if settings.ghost and shadow is not None:
-            if shadow.message:
-                draw_lines(layout, "INFO", shadow.message)
+            lost = arcs.missing(obj, settings)
+            if shadow.message or lost:
+                draw_lines(
+                    layout, "INFO", shadow.message or f"{first(map(repr, lost))} is gone: choose another"
+                )
             else:
                 layout.prop(settings, "preview", slider=True)
         row = layout.row()

@@ -101,3 +101,11 @@ def test_it_goes_with_the_file_and_comes_back_with_it(tmp_path):
     assert not ghost._ghosts
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "ghost.blend"))
     assert ghost.of(bpy.data.objects["Tube"]).steps
+
+
+def test_a_key_that_moves_nothing_has_no_ghost_and_says_so():
+    obj = keyed_tube()
+    scene.add_key(obj, "new", scene.points(obj.data.vertices))
+    obj.lissom_inbetween.end, obj.lissom_inbetween.ghost = "new", True
+    shadow = ghost.of(obj)
+    assert shadow.shapes is None and "moves nothing yet" in shadow.message
