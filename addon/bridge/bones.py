@@ -1,6 +1,6 @@
 """A shape key driven by a bone: 0 where the bone rests, 1 where it is now."""
 
-from math import asin
+from math import asin, pi
 
 from mathutils import Quaternion
 
@@ -8,6 +8,7 @@ from ..core.refused import Refused
 from . import animation
 
 LEAST = 0.01  # radians
+MOST = pi - 0.05  # a driver's angles jump at half a turn
 
 
 def bone_of(rig, name):
@@ -36,7 +37,11 @@ def drive(key, rig, bone, motion):
     Swing counts along the way that the bone has swung now: one bent the other way leaves the key at 0.
     The driver is an expression that Blender evaluates without Python.
     """
-    swing, twist = _local(rig, bone).to_swing_twist("Y")
+    turned = _local(rig, bone)
+    told = (0.0, 0.0, 0.0) if bone.rotation_mode in ("QUATERNION", "AXIS_ANGLE") else bone.rotation_euler
+    if max(abs(turned.angle), *map(abs, told)) > MOST:
+        raise Refused(f"Bone '{bone.name}' turns by half a turn or more, where drivers jump: turn it by less")
+    swing, twist = turned.to_swing_twist("Y")
     if motion == "TWIST":
         channels = {"twist": ("ROT_Y", twist)}
     else:

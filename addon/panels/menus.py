@@ -104,6 +104,12 @@ def _draw_edges(menu, context):
     menu.layout.operator("lissom.curve_add", text="Add Curve of Lissom")
 
 
+def _draw_edited(menu, context):
+    _draw_vertices(menu, context)
+    if context.tool_settings.mesh_select_mode[1]:
+        menu.layout.operator("lissom.curve_add", text="Add Curve of Lissom")
+
+
 def _draw_groups(menu, context):
     obj = context.object
     if obj is None or obj.type != "MESH" or obj.vertex_groups.active is None:
@@ -120,7 +126,8 @@ def _draw_keys(menu, context):
     menu.layout.separator()
     menu.layout.operator_context = "INVOKE_DEFAULT"
     bake = menu.layout.operator("lissom.inbetween_bake", text="Bake Arc to This Key", icon="IPO_EASE_IN_OUT")
-    bake.object, bake.end = obj.name, obj.active_shape_key.name
+    set_bake(bake, obj)
+    bake.end, bake.slider = obj.active_shape_key.name, ""
     drive = menu.layout.operator("lissom.pose_drive", icon="DRIVER")
     drive.object, drive.key = obj.name, obj.active_shape_key.name
     draw_sides(menu.layout, obj)
@@ -131,6 +138,7 @@ def _draw_keys(menu, context):
             text=translated(f"Transfer to '{settings.target.name}'"),
             icon="SHAPEKEY_DATA",
         )
+        set_transfer(transfer, settings, "keys")
         transfer.keys = obj.active_shape_key.name
 
 
@@ -143,6 +151,7 @@ MENUS = {
     "VIEW3D_MT_mesh_add": _draw_add,
     "VIEW3D_MT_object": _draw_object,
     "VIEW3D_MT_object_context_menu": _draw_object,
+    "VIEW3D_MT_edit_mesh_context_menu": _draw_edited,
     "VIEW3D_MT_edit_mesh_vertices": _draw_vertices,
     "VIEW3D_MT_edit_mesh_edges": _draw_edges,
     "MESH_MT_vertex_group_context_menu": _draw_groups,

@@ -56,8 +56,11 @@ def test_a_shape_key_offers_its_arc_and_its_transfer():
     obj.active_shape_key_index = 1
     settings = bpy.context.scene.lissom_transfer
     settings.source, settings.target = obj, other
+    settings.scale, obj.lissom_inbetween.count, obj.lissom_inbetween.slider = "source", 7, "other"
     made = drawn_into("MESH_MT_shape_key_context_menu")["operators"]
     assert made["lissom.inbetween_bake"][0]["end"] == made["lissom.transfer_keys"][0]["keys"] == "Smile"
+    assert made["lissom.transfer_keys"][0]["scale"] == "source"
+    assert (made["lissom.inbetween_bake"][0]["count"], made["lissom.inbetween_bake"][0]["slider"]) == (7, "")
 
 
 def test_preferences_have_defaults_where_the_package_is_no_enabled_add_on():

@@ -92,3 +92,14 @@ def test_a_bent_arm_becomes_a_driven_corrective():
     rig.pose.bones["upper"].rotation_euler = Euler((0, 0, 0))
     bpy.context.view_layer.update()
     assert np.abs(scene.shown(obj) - scene.key_points(obj, "Basis")).max() < 1e-4
+
+
+@pytest.mark.parametrize("degrees", [180.0, 200.0, -185.0])
+def test_half_a_turn_and_more_is_refused(degrees):
+    obj, rig = arm(degrees=0.0)
+    bone = rig.pose.bones["upper"]
+    bone.rotation_mode, bone.rotation_euler.x = "XYZ", np.radians(degrees)
+    bpy.context.view_layer.update()
+    scene.add_key(obj, "Corrective", scene.points(obj.data.vertices) * 1.1)
+    with scene.refused("turns by half a turn or more"):
+        bpy.ops.lissom.pose_drive(object=obj.name, key="Corrective")
