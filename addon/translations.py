@@ -11,7 +11,7 @@ import re
 
 import bpy
 
-from .core.wording import Catalogue
+from .core.wording import Catalogue, singular
 
 FOLDER = pathlib.Path(__file__).with_name("locale")
 CONTEXT = "Lissom"  # of words that mean something else in Blender
@@ -32,7 +32,7 @@ def language():
 def translated(text):
     """A text or a finished message in plain words, and in Blender's language where there is one of ours."""
     catalogue, plain = _catalogues.get(language()), _plain.said(text)
-    return catalogue.said(plain) if catalogue else plain
+    return catalogue.said(plain) if catalogue else singular(plain)
 
 
 def _indented(text):

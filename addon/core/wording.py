@@ -12,6 +12,11 @@ import re
 ARGUMENT = re.compile(r"([a-z_]+): ")  # how the core's messages begin
 PLACES = "{0} (at {1}; {2} in all)"  # and how those end that are of single vertices
 FIELD = re.compile(r"('?)\{(\d+)\}('?)")
+# What messages count, told of one: names in quotes are not counted.
+COUNTED = re.compile(
+    r"(?<![\w.,'])1 ((?:[a-z]+ )?)(keys|faces|triangles|sliders|attributes|landmarks|objects|pairs|curves|"
+    r"vertices|frames)\b(?! (?:are|have))"
+)
 # Languages without spaces break between any two signs, but not before one that closes.
 _UNIT = re.compile(
     r"[\u2e80-\u9fff\uff00-\uffef\u201c(]*?[\u2e80-\u9fff\uff00-\uffef][\u3001-\u301f\uff00-\uff65\u201d]*"
@@ -63,6 +68,15 @@ class Catalogue:
     def _says_more(self, text, place):
         """Whether a message is known by more than the template at this place."""
         return text in self._exact or self._match(text)[0] < place
+
+
+def singular(text):
+    """An English message in which one thing is counted as one: 1 shape key, not 1 shape keys."""
+    return COUNTED.sub(lambda found: f"1 {found[1]}{_of_one(found[2])}", text)
+
+
+def _of_one(plural):
+    return "vertex" if plural == "vertices" else plural.removesuffix("s")
 
 
 def _takes_more(found, names):

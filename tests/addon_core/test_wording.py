@@ -1,6 +1,6 @@
 """core.wording: messages by their templates, and lines."""
 
-from lissom_addon_core.wording import Catalogue, lines
+from lissom_addon_core.wording import Catalogue, lines, singular
 
 TABLE = {
     "There is no {0} named '{1}'": "没有名为“{1}”的{0}",
@@ -62,3 +62,15 @@ def test_lines_break_between_signs_but_not_before_one_that_closes():
     assert not any(line[0] in "，。”" for line in made)
     assert max(map(len, made)) <= 6
     assert lines("按 Esc 完成", short(6)) == ["按 Esc", "完成"]
+
+
+def test_one_is_counted_as_one():
+    said = {
+        "1 shape keys on 'Head'": "1 shape key on 'Head'",
+        "4 shape keys under 1 sliders": "4 shape keys under 1 slider",
+        "No key can move 1 vertices, which": "No key can move 1 vertex, which",
+        "12 marker pairs and 1 curves from '1 keys'": "12 marker pairs and 1 curve from '1 keys'",
+        "0.1 keys, 21 faces, 1,001 faces": "0.1 keys, 21 faces, 1,001 faces",
+        "1 faces are folded": "1 faces are folded",
+    }
+    assert {text: singular(text) for text in said} == said
