@@ -56,12 +56,9 @@ def hidden(obj):
     key = keys.key_blocks.get(name) if keys else None
     if key is None:  # refused by whoever solves
         return ""
-    if obj.show_only_shape_key:
-        pinned = obj.active_shape_key != key
-        return (
-            "Solo Active Shape Key is on, and shows another key than the pose: turn it off" if pinned else ""
-        )
-    if key.mute or key.value < 1:
+    if obj.show_only_shape_key and obj.active_shape_key != key:
+        return "Solo Active Shape Key is on, and shows another key than the pose: turn it off"
+    if key.mute or not (obj.show_only_shape_key or key.value == 1):
         return f"Shape key '{name}', which shows the pose, is muted or not at 1"
     return ""
 
@@ -106,10 +103,8 @@ def foreign_handles(obj):
     if not foreign:
         return ""
     listed = first(repr(handle.name) for handle in foreign)
-    owner, way = (
-        foreign[0].empty.lissom_handle_of,
-        "press Unbind" if obj.lissom_pose.bound else "remove such handles",
-    )
+    owner = foreign[0].empty.lissom_handle_of
+    way = "press Unbind" if obj.lissom_pose.bound else "remove such handles"
     if owner is None:
         return f"What moves handle {listed} belongs to no mesh: {way}, then add them anew"
     return (

@@ -72,14 +72,11 @@ def select_faces(context, key):
 
 
 def _look_at(context, obj, faces):
-    places, polygons = views.places(obj), obj.data.polygons
+    matrix, polygons = np.array(obj.matrix_world), obj.data.polygons
+    places = views.places(obj)
     if len(places) != len(obj.data.vertices):  # modifiers make others
-        places = (
-            rest_positions(obj.data) @ np.array(obj.matrix_world)[:3, :3].T + obj.matrix_world.translation
-        )
-    corners = np.unique([v for face in faces for v in polygons[face].vertices])
+        places = rest_positions(obj.data) @ matrix[:3, :3].T + matrix[:3, 3]
+    corners = np.unique([vertex for face in faces for vertex in polygons[face].vertices])
     outward = np.sum([polygons[face].area * polygons[face].normal for face in faces], axis=0)
-    towards = -np.array(obj.matrix_world.to_3x3()) @ outward
-    views.show_places(
-        context, [obj], places[corners], places, towards if towards.any() else np.array([0, 1.0, 0])
-    )
+    towards = -matrix[:3, :3] @ outward if outward.any() else np.array([0.0, 1.0, 0.0])
+    views.show_places(context, [obj], places[corners], places, towards)
