@@ -15,6 +15,10 @@ from ..jobs.face import FaceAsked, FaceKeys
 from . import outputs, strengths
 
 SUMMARY = "give a head the shape keys of a whole face, found by its shape alone"
+NEXT = (
+    "Say by --landmarks where the face is, or press Face Keys in Blender's window, set the landmarks that it "
+    "asks for, and save the file"
+)
 
 
 def configure(parser):
@@ -57,7 +61,7 @@ def run(arguments):
         contact=arguments.contact,
         strength=arguments.strength,
         landmarks=arguments.landmarks or "",
-        kinds="\n".join(told.replace("=", " ", 1) for told in arguments.kinds),
+        kinds=_kinds(arguments.kinds),
     )
     job = FaceKeys(bpy.context, asked)
     done = job.write(bpy.context, job.work.wait())
@@ -70,7 +74,15 @@ def run(arguments):
         seconds = round(time.perf_counter() - started, 3)
         write_json(arguments.report, asdict(done) | {"errors": errors, "seconds": seconds})
     if done.stopped:
-        outputs.say_errors([done.summary])
+        outputs.say_errors([f"{done.summary}. {NEXT}"])
         return outputs.BAD_INPUT
     outputs.say(done)
     return outputs.say_errors(errors)
+
+
+def _kinds(told):
+    """As FaceAsked has them."""
+    for words in told:
+        if "=" not in words:
+            raise Refused(f"--kinds: '{words}' is no KIND=OBJECT, as EYE=Lamp")
+    return "\n".join(words.replace("=", " ", 1) for words in told)

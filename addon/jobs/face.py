@@ -49,7 +49,8 @@ class FaceDone(Done):
     """``written``: the names on each object; ``left``: those that nothing makes; ``landmarks``: those to look
     at; ``kinds``: what the loose pieces of each object were taken for; ``quality``: rows of core.quality.
 
-    ``sure``: how sure it is where the face is, 0-1; ``stopped``: that it was too little, and no key was made.
+    ``sure``: how sure it is where the face is, 0-1; ``stopped``: that it was too little, and no key was made;
+    ``guessed``: that landmarks then lie beside each other as guesses.
     """
 
     written: dict[str, list[str]]
@@ -60,6 +61,7 @@ class FaceDone(Done):
     report: dict
     sure: float
     stopped: bool = False
+    guessed: bool = False
 
 
 class FaceKeys:
@@ -172,13 +174,8 @@ class FaceKeys:
             added = [markers.Marker.between(name, *pair)._replace(guessed=True) for name, *pair in rows]
         settings.landmarks = "FREE" if added else "FACE_3"
         bridge_markers.put(context.scene, added, face, head)
-        if added:
-            look = first(unsure.doubts or list(unsure.guesses))
-            then = f"look at the grey marks, above all {look}; drag what is off, and confirm"
-        else:
-            then = f"press Pick and click on '{head.name}': {', '.join(mark.name for mark in MIDDLES)}"
         return FaceDone(
-            summary=f"No key is made: {unsure.why}. Do this: {then}; then press Face Keys again",
+            summary=f"No key is made: {unsure.why}",
             warnings=[],
             written={},
             left=[],
@@ -188,6 +185,7 @@ class FaceKeys:
             report={},
             sure=0.0,
             stopped=True,
+            guessed=bool(added),
         )
 
     def _back(self, place, moved):
@@ -217,7 +215,9 @@ def _told(text, objects):
     told = dict.fromkeys(objects, "")
     for line in filter(None, text.splitlines()):
         kind, _, name = line.partition(" ")
-        if kind not in KINDS or name not in told:
-            raise Refused(f"Kinds: '{line}' is no line as '{KINDS[0]} {objects[-1]}', of {', '.join(KINDS)}")
+        if kind not in KINDS:
+            raise Refused(f"Kinds: there is no kind '{kind}': choose of {', '.join(KINDS)}")
+        if name not in told:
+            raise Refused(f"Kinds: '{name}' is neither the head nor a part: choose of {', '.join(objects)}")
         told[name] = kind
     return list(told.values())

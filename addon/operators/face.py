@@ -5,7 +5,7 @@ from bpy.props import BoolProperty, FloatProperty, StringProperty
 
 from .. import session
 from ..bridge import source_face
-from ..core.refused import Refused
+from ..core.refused import Refused, first
 from ..jobs.face import FaceAsked, FaceKeys
 from ..properties.transfer_options import edited_property, exists_property, face_names_property
 from .job import JobRunner, allowed, answering
@@ -68,6 +68,15 @@ class LISSOM_OT_face_keys(JobRunner, bpy.types.Operator):
         kinds = self.kinds or ("" if self.target else _kinds(settings))
         path = bpy.path.abspath(self.landmarks) if self.landmarks else ""
         return FaceAsked.of(self, **named, kinds=kinds, landmarks=path)
+
+    def said(self, done):
+        """With what to do next where no key was made."""
+        if not done.stopped:
+            return done.summary
+        then = f"press Pick and click on '{self._job.head}': {', '.join(done.landmarks)}"
+        if done.guessed:
+            then = f"look at the grey marks, above all {first(done.landmarks)}; drag what is off, and confirm"
+        return f"{done.summary}. Do this: {then}; then press Face Keys again"
 
     def after(self, context, done):
         """Says in the panel what parts were taken for; from a button opens the review."""

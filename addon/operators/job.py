@@ -175,15 +175,20 @@ class JobRunner(JobOperator):
         done = self._job.write(context, found)
         if self.keeps:
             getattr(context.scene, self.keeps).keep(done.kept)
-        report_done(self, done)
+        report_done(self, done, self.said(done))
         self.after(context, done)
+
+    def said(self, done):
+        """The report in one line."""
+        return done.summary
 
     def after(self, context, done):
         """What follows the report; nothing, by default."""
 
 
-def report_done(operator, done):
+def report_done(operator, done, summary=None):
     """Reports what a jobs.Done has to say; one that has stopped, as an error."""
-    operator.report({"ERROR" if getattr(done, "stopped", False) else "INFO"}, translated(done.summary))
+    kind = "ERROR" if getattr(done, "stopped", False) else "INFO"
+    operator.report({kind}, translated(summary or done.summary))
     for warning in reversed(done.warnings):  # what is reported last is what one sees
         operator.report({"WARNING"}, translated(warning))

@@ -7,6 +7,7 @@ import heads
 import numpy as np
 import pytest
 import scene
+from bl_ext.user_default.lissom import commands
 from bl_ext.user_default.lissom.bridge import markers as bridge_markers
 from bl_ext.user_default.lissom.bridge import source_face
 from bl_ext.user_default.lissom.core.markers import Marker
@@ -78,7 +79,7 @@ def test_without_a_clue_it_asks_and_goes_on_with_what_was_clicked(mask):
     head, obj = mask
     corners = [[0.05, -0.5, -0.5], [-0.05, -0.5, -0.5], [0, -0.4, -0.5], [0, -0.45, -0.55]]
     scene.mesh_object("Gum", corners, [[0, 1, 2], [0, 1, 3]])
-    with pytest.raises(RuntimeError, match="No key is made"):
+    with pytest.raises(RuntimeError, match=r"No key is made: .*\. Do this: press Pick and click on 'Mask'"):
         bpy.ops.lissom.face_keys(target="Mask")
     settings = bpy.context.scene.lissom_transfer
     assert obj.data.shape_keys is None and len(settings.markers) == 0
@@ -103,5 +104,18 @@ def test_without_a_clue_it_asks_and_goes_on_with_what_was_clicked(mask):
     assert len(obj.data.shape_keys.key_blocks) == 52
     jaw = delta(bpy.data.objects["Gum"], "jawOpen")
     assert jaw[:, 2].max() < 0
-    with pytest.raises(RuntimeError, match="'TAIL Gum' is no line"):
+    with pytest.raises(RuntimeError, match=r"no kind 'TAIL': choose of EYE, UPPER"):
         bpy.ops.lissom.face_keys(target="Mask", parts="Gum", kinds="TAIL Gum")
+    with pytest.raises(RuntimeError, match=r"'Lamp' is neither the head nor a part: choose of Mask, Gum"):
+        bpy.ops.lissom.face_keys(target="Mask", parts="Gum", kinds="EYE Lamp")
+
+
+def test_the_command_says_what_one_does_without_a_window(mask, tmp_path, capsys):
+    path, out = str(tmp_path / "in.blend"), str(tmp_path / "out.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    words = ["face", "--file", path, "--target", "Mask", "--out", out]
+    assert commands.main(words) == 2
+    said = capsys.readouterr().out
+    assert "No key is made" in said and "--landmarks" in said and "Pick" not in said
+    assert commands.main([*words, "--kinds", "EYE Lamp"]) == 2
+    assert "'EYE Lamp' is no KIND=OBJECT" in capsys.readouterr().out
