@@ -27,7 +27,7 @@ const EQUAL: f64 = 1e-6;
 choices! {
     /// How stretches go from start to end.
     pub enum Stretch {
-        /// Lengths grow by the same amount in equal times, as in the report of 2000.
+        /// Lengths grow by the same amount in equal times (Alexa, Cohen-Or & Levin 2000).
         Linear = "linear",
         /// Lengths grow by the same factor in equal times; triangles that collapse or turn over go in equal steps.
         Logarithmic = "logarithmic",

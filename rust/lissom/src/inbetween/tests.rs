@@ -208,7 +208,7 @@ fn shortest_turns_break_a_twist_and_consistent_ones_do_not() {
     assert!(broken > 10.0 * case.edge_error(&case.at(0.5)), "{broken}");
 }
 
-/// The report's own setting: the planar angle, made consistent breadth first, and its least squares,
+/// The setting of Alexa, Cohen-Or & Levin (2000): the planar angle, made consistent breadth first, and its least squares,
 /// written down independently and solved densely in complex numbers.
 #[test]
 fn a_flat_mesh_takes_the_planar_angle() {

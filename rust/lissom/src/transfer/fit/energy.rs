@@ -215,7 +215,7 @@ mod tests {
     use crate::transfer::testing::bumpy_grid;
     use faer::prelude::Solve;
 
-    /// `V^-1` of the note and of Sumner & Popović (2004), with the fourth vertex
+    /// `V^-1` of Sumner & Popović (2004), with the fourth vertex
     /// `v_0 + c / sqrt |c|`, `c` the cross product of the edges, written out.
     fn inverse_frame(corners: [Vec3; 3]) -> Mat3 {
         let (a, b) = (corners[1] - corners[0], corners[2] - corners[0]);
@@ -276,7 +276,7 @@ mod tests {
                 equations.push((row.iter().map(|r| r * root).collect(), Vec3::AXES[axis] * root));
                 for [i, j] in mesh.adjacency().triangle_pairs() {
                     if i as usize == t || j as usize == t {
-                        // Once from either side, as the double sum of the note has it.
+                        // Once from either side, as the double sum of Sumner & Popović (2004) has it.
                         let root = weights.smoothness.sqrt();
                         let (a, b) = (&rows[i as usize][axis], &rows[j as usize][axis]);
                         equations.push((a.iter().zip(b).map(|(a, b)| (a - b) * root).collect(), Vec3::ZERO));
