@@ -7,6 +7,11 @@ EXISTS_ITEMS = [
     ("SKIP", "Skip", "Leave what has the same name as it is"),
     ("RENAME", "Rename", "Keep what has the same name and number the new one"),
 ]
+EDITED_ITEMS = [
+    ("KEEP", "Keep", "They stay as they are"),
+    ("CARRY", "Carry Over", "The new result, with what was changed by hand on top of it"),
+    ("OVERWRITE", "Overwrite", "The new result: what was changed by hand is lost"),
+]
 
 
 def shorten(name, suffix=""):

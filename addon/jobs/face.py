@@ -140,8 +140,6 @@ class FaceKeys:
         doubts = found.located.doubts
         if doubts:
             warnings.append(f"Landmarks to look at: {first(doubts)}")
-        if found.left:
-            warnings.append(f"Left out, for want of what they are made of: {first(found.left)}")
         kinds = {part.name: kinds for part, kinds in zip(self._side.parts, found.kinds, strict=True)}
         return FaceDone(
             summary=f"{len(written[targets[0].name])} face keys on '{targets[0].name}'",

@@ -1,8 +1,9 @@
 """Options of fits and transfers as Blender properties, for settings and operators alike."""
 
 from bpy.props import BoolProperty, EnumProperty, StringProperty
+from lissom import names
 
-from ..core.names import EXISTS_ITEMS
+from ..core.names import EDITED_ITEMS, EXISTS_ITEMS
 from ..core.options import option
 from .options import option_property
 
@@ -22,11 +23,7 @@ def edited_property():
     return EnumProperty(
         name="Edited Keys",
         description="What becomes of shape keys that were edited by hand since they were transferred",
-        items=[
-            ("KEEP", "Keep", "They stay as they are"),
-            ("CARRY", "Carry Over", "The new result, with what was changed by hand on top of it"),
-            ("OVERWRITE", "Overwrite", "The new result: what was changed by hand is lost"),
-        ],
+        items=EDITED_ITEMS,
     )
 
 
@@ -106,12 +103,7 @@ def face_names_property():
     return EnumProperty(
         name="Names",
         description="Which keys, and what they are called",
-        items=[
-            ("ARKIT", "ARKit", "The 52 of Apple's ARKit, as Live Link Face and VSeeFace have them"),
-            ("ICT", "ICT", "The 53 of the face that comes along, left and right apart"),
-            ("VRM", "VRM", "The preset expressions of VRM 1.0"),
-            ("VISEMES", "Visemes", "The 15 of Oculus's lip sync"),
-        ],
+        items=[(name, *told) for name, told in names.SETS.items()],
     )
 
 

@@ -93,7 +93,13 @@ TABLES: dict[str, dict[str, dict[str, float]]] = {
 }
 """{set: {name: {ICT's key: amount}}}, in the order of their sources."""
 
-SETS = ("ARKIT", "ICT", "VRM", "VISEMES")
+SETS: dict[str, tuple[str, str]] = {
+    "ARKIT": ("ARKit", "51 of Apple's ARKit, as Live Link Face and VSeeFace have them: all but the tongue's"),
+    "ICT": ("ICT", "The 53 of the face that comes along, left and right apart"),
+    "VRM": ("VRM", "The preset expressions of VRM 1.0"),
+    "VISEMES": ("Visemes", "The 15 of Oculus's lip sync"),
+}
+"""{set: (what people call it, what it is)}; files store places in this list: only append."""
 
 
 def combined(

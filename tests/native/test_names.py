@@ -1,5 +1,7 @@
 """Names of face keys in other places, as sums of ICT FaceKit's."""
 
+import pathlib
+
 import numpy as np
 import pytest
 from lissom import data, names
@@ -23,6 +25,16 @@ def test_arkits_52_are_apples_in_their_order(ict):
     assert np.array_equal(keys[found.index("browInnerUp")], both)
     assert np.array_equal(keys[found.index("mouthLeft")], offsets[ict.index("mouthLeft")])
     assert np.array_equal(keys[found.index("eyeBlinkRight")], offsets[ict.index("eyeBlink_R")])
+
+
+def test_every_set_has_a_table_and_a_row_in_the_manual():
+    assert set(names.TABLES) == set(names.SETS) - {"ICT"}, (
+        "each of SETS is a sum of ICT's, but these themselves"
+    )
+    page = pathlib.Path(__file__).parents[2] / "docs" / "face_keys_elsewhere.md"
+    told = page.read_text(encoding="utf-8")
+    for label, _ in names.SETS.values():
+        assert f"\n| {label} |" in told, f"{label} is missing in the table of {page.name}"
 
 
 @pytest.mark.parametrize(("kind", "count"), [("VRM", 18), ("VISEMES", 15)])
