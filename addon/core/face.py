@@ -71,7 +71,7 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
         found = (yield transfer.start_apply(shapes)).vertices
         if located.rims:
             moved = _by_lids(face, located, head, strength * offsets, found - head[0])
-            moved = _untorn(target, located, head, moved, balls)
+            moved = yield from _untorn(target, located, head, moved, balls)
             other = face_twins.twins(head[0])
             found = head[0] + (moved if other is None else face_twins.alike(made, moved, other))
         quality = yield transfer.start_quality(shapes, found)
@@ -113,7 +113,7 @@ def _by_lids(face, located, head, offsets, moved):
 
 
 def _untorn(target, located, head, offsets, balls):
-    """(k, n, 3) in front of the eyeballs, without a long edge; the rims of the eyes stay.
+    """(k, n, 3) in front of the eyeballs, without a long edge, as steps of a Work; the rims of the eyes stay.
 
     A cartoon's few edges at the corners of eyes and mouth take what people's many loops there share.
     """
@@ -126,14 +126,14 @@ def _untorn(target, located, head, offsets, balls):
             for centre, radius in balls:
                 found[row] = face_lids.outside(vertices, triangles, found[row], centre, radius)
         shapes = vertices + found[left]
-        limited = target.limit_stretch(shapes, STRETCHED, held)
+        limited = yield target.start_limit_stretch(shapes, STRETCHED, held)
         changed = (limited != shapes).any(axis=(1, 2))
         left = left[changed]
         found[left] = limited[changed] - vertices
         if not len(left):
             break
     # What is left are edges of the rims themselves, in keys that do not close.
-    return target.limit_stretch(vertices + found, STRETCHED) - vertices
+    return (yield target.start_limit_stretch(vertices + found, STRETCHED)) - vertices
 
 
 class _Known:

@@ -89,7 +89,7 @@ def locate_steps(face, head, marks=None):
         located = fit and _judged(face, fit, vertices, {}, "SHAPE")
         if located and located.certainty >= LEAST:
             return located
-    found = _openings(vertices, triangles, parts)
+    found = yield from _openings(vertices, triangles, parts)
     if marks is None:
         own = face_rims.of_face(found, balls)
         if own is None:
@@ -120,11 +120,11 @@ def locate_steps(face, head, marks=None):
 
 
 def _openings(vertices, triangles, parts):
-    """The face_rims.Openings of a head; eyes and teeth hide what is behind them."""
+    """The face_rims.Openings of a head, as steps of a Work; eyes and teeth hide what is behind them."""
     of_body = np.isin(triangles[:, 0], face_parts.parts(len(vertices), triangles)[0])
     body = face_rims.filled(triangles[of_body])
     whole = np.concatenate([body, triangles[~of_body]])
-    linings = lissom.Mesh(*topology.joined([(vertices, whole), *parts])).linings()
+    linings = yield lissom.Mesh(*topology.joined([(vertices, whole), *parts])).start_linings()
     return face_rims.openings(vertices, body, np.isin(np.arange(len(body)), linings))
 
 

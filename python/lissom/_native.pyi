@@ -109,6 +109,10 @@ class Mesh:
         In the mesh's own units; inf where no edges lead (Dijkstra 1959). Raises InvalidConstraint for no
         vertices and for indices out of range.
         """
+    def start_limit_stretch(
+        self, shapes: ArrayLike, limit: float | None = None, held: ArrayLike | None = None
+    ) -> Job[NDArray[np.float64]]:
+        """:meth:`limit_stretch` in the background."""
     def limit_stretch(
         self, shapes: ArrayLike, limit: float | None = None, held: ArrayLike | None = None
     ) -> NDArray[np.float64]:
@@ -118,6 +122,8 @@ class Mesh:
         between two of the vertices that are `held`, (h,) indices, keep their length. Raises InvalidValue for
         a limit below 1, InvalidConstraint for indices out of range.
         """
+    def start_linings(self) -> Job[NDArray[np.int64]]:
+        """:meth:`linings` in the background."""
     def linings(self) -> NDArray[np.int64]:
         """(k,): the input triangles that line a pocket, as mouth bags and eye sockets do.
 

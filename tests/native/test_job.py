@@ -53,6 +53,11 @@ def path():
 CALLS = {
     "Pose": (bound, lambda: lissom.start_pose(MESH, **BINDING)),
     "Pose.solve": (lambda: bound().solve(GOAL, **SOLVING), lambda: bound().start(GOAL, **SOLVING)),
+    "Mesh.linings": (MESH.linings, MESH.start_linings),
+    "Mesh.limit_stretch": (
+        lambda: MESH.limit_stretch(3 * KEYS, 1.5, [0, 5]),
+        lambda: MESH.start_limit_stretch(3 * KEYS, 1.5, [0, 5]),
+    ),
     "fit_correspondence": (
         lambda: lissom.fit_correspondence(MESH, MESH, MARKERS, steps=2, target_mask=[9]),
         lambda: lissom.start_fit(MESH, MESH, MARKERS, steps=2, target_mask=[9]),

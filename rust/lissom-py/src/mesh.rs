@@ -78,6 +78,23 @@ impl PyMesh {
         PyJob::start(work, |py, distances| Ok(arrays::from_numbers(py, distances)))?.result(py)
     }
 
+    /// `limit_stretch` in the background.
+    #[pyo3(signature = (shapes, limit=None, held=None))]
+    fn start_limit_stretch(
+        &self,
+        shapes: &Bound<'_, PyAny>,
+        limit: Option<&Bound<'_, PyAny>>,
+        held: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<PyJob> {
+        let n = self.0.vertices().len();
+        let shapes = arrays::poses("shapes", shapes, n)?;
+        let limit = limit.map_or(Ok(3.0), |limit| options::float("limit", limit))?;
+        let held = held.map_or(Ok(Vec::new()), |held| arrays::vertex_list("held", held))?;
+        let mesh = self.0.clone();
+        let work = move |job: &Job| mesh.limit_stretch(&shapes, limit, &held, job);
+        PyJob::start(work, move |py, found| arrays::from_poses(py, &found, n))
+    }
+
     /// (k, n, 3) float64: `shapes` (k, n, 3) with no edge longer than `limit` times what it is at rest, but those
     /// between two of the vertices that are `held`, (h,) indices. Raises InvalidConstraint for indices out of range.
     #[pyo3(signature = (shapes, limit=None, held=None))]
@@ -88,21 +105,20 @@ impl PyMesh {
         limit: Option<&Bound<'_, PyAny>>,
         held: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Py<PyAny>> {
-        let n = self.0.vertices().len();
-        let shapes = arrays::poses("shapes", shapes, n)?;
-        let limit = limit.map_or(Ok(3.0), |limit| options::float("limit", limit))?;
-        let held = held.map_or(Ok(Vec::new()), |held| arrays::vertex_list("held", held))?;
+        self.start_limit_stretch(shapes, limit, held)?.result(py)
+    }
+
+    /// `linings` in the background.
+    fn start_linings(&self) -> PyResult<PyJob> {
         let mesh = self.0.clone();
-        let work = move |job: &Job| mesh.limit_stretch(&shapes, limit, &held, job);
-        PyJob::start(work, move |py, found| arrays::from_poses(py, &found, n))?.result(py)
+        let integers =
+            |py: Python<'_>, found: Vec<u32>| Ok(arrays::from_integers(py, found.into_iter().map(i64::from)));
+        PyJob::start(move |job: &Job| mesh.linings(job), integers)
     }
 
     /// (k,) int64: the input triangles that line a pocket, as mouth bags and eye sockets do.
     fn linings(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        let mesh = self.0.clone();
-        let integers =
-            |py: Python<'_>, found: Vec<u32>| Ok(arrays::from_integers(py, found.into_iter().map(i64::from)));
-        PyJob::start(move |_: &Job| Ok(mesh.linings()), integers)?.result(py)
+        self.start_linings()?.result(py)
     }
 
     /// list of str: what was mended or is doubtful.

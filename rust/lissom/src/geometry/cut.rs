@@ -1,6 +1,8 @@
 //! The cheapest cut that parts some nodes of a graph from others (Dinic 1970, Algorithm for Solution of a Problem of Maximum
 //! Flow in Networks with Power Estimation).
 
+use crate::{Job, Result};
+
 /// A graph whose edges cost something to cut, the same either way.
 pub struct Cut {
     /// The edges at each node.
@@ -30,14 +32,20 @@ impl Cut {
 
     /// Which nodes are on the side of `from` in the cheapest cut that parts it from `to`; of several the one that takes
     /// least.
-    pub fn side(mut self, from: u32, to: u32) -> Vec<bool> {
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
+    pub fn side(mut self, from: u32, to: u32, job: &Job) -> Result<Vec<bool>> {
         loop {
+            job.check()?;
             let depth = self.depths(from);
             if depth[to as usize] == NONE {
-                return depth.iter().map(|&depth| depth != NONE).collect();
+                return Ok(depth.iter().map(|&depth| depth != NONE).collect());
             }
             let mut next = vec![0; self.at.len()];
             while let Some(path) = self.path(from, to, &depth, &mut next) {
+                job.check()?;
                 let most = path.iter().map(|&edge| self.room[edge as usize]).fold(f64::INFINITY, f64::min);
                 for edge in path {
                     self.room[edge as usize] -= most;
@@ -118,7 +126,7 @@ mod tests {
                 .collect();
             let mut cut = Cut::new(nodes as usize);
             edges.iter().for_each(|&(a, b, cost)| cut.join(a, b, cost));
-            let side = cut.side(0, nodes - 1);
+            let side = cut.side(0, nodes - 1, &Job::default()).unwrap();
             let parts = edges.iter().filter(|(a, b, _)| side[*a as usize] != side[*b as usize]);
             assert!(side[0] && !side[nodes as usize - 1]);
             assert_eq!(parts.map(|edge| edge.2).sum::<f64>(), least(nodes, &edges), "{edges:?}");

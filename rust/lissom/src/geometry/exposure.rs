@@ -1,11 +1,9 @@
 //! Exposure: how much of the space in front of a surface is open, as ambient occlusion measures it (Zhukov, Iones & Kronin
 //! 1998, An Ambient Light Illumination Model).
 
-use rayon::prelude::*;
-
 use super::surface::Surface;
 use super::triangle::normal_and_area;
-use crate::Vec3;
+use crate::{Job, Result, Vec3};
 
 /// Rays all around; half of them go to the outer side of a triangle.
 const RAYS: usize = 64;
@@ -18,13 +16,17 @@ const OFF: f64 = 1e-5;
 
 /// Of each triangle: the part of the rays from its centre to its outer side that nothing is in the way of, 0 to 1.
 /// Vertices are in unit coordinates.
-pub fn exposures(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Vec<f64> {
+///
+/// # Errors
+///
+/// [`Error::Cancelled`](crate::Error::Cancelled).
+pub fn exposures(vertices: &[Vec3], triangles: &[[u32; 3]], job: &Job) -> Result<Vec<f64>> {
     // A ray is stopped by either side of a triangle.
     let both: Vec<[u32; 3]> = triangles.iter().flat_map(|&[a, b, c]| [[a, b, c], [a, c, b]]).collect();
     let surface = Surface::of(&both, vertices);
     let rays = around();
-    let exposure = |t: &[u32; 3]| {
-        let corners = t.map(|v| vertices[v as usize]);
+    let exposure = |t: usize| {
+        let corners = triangles[t].map(|v| vertices[v as usize]);
         let (normal, _) = normal_and_area(corners);
         let origin = (corners[0] + corners[1] + corners[2]) / 3.0 + OFF * normal;
         let outward = rays.iter().filter(|ray| ray.dot(normal) > FLAT);
@@ -33,7 +35,7 @@ pub fn exposures(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Vec<f64> {
         });
         open / f64::max(all, 1.0)
     };
-    triangles.par_iter().map(exposure).collect()
+    job.in_batches(triangles.len(), exposure)
 }
 
 /// Directions that are spread evenly (a spiral by the golden angle: Swinbank & Purser 2006, Fibonacci grids).

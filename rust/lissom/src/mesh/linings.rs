@@ -10,9 +10,9 @@
 //! Interactive Graph Cuts).
 
 use super::adjacency::Adjacency;
-use crate::Vec3;
 use crate::geometry::cut::Cut;
 use crate::geometry::exposure::exposures;
+use crate::{Job, Result, Vec3};
 
 /// Exposures: up to the first a triangle is in a pocket, from the second on it is not.
 const HIDDEN: f64 = 0.05;
@@ -24,10 +24,17 @@ const LEAST: f64 = 0.5;
 
 /// Of each of the triangles, which face outward, whether it lines a pocket: one sees it from nowhere, or it is behind the
 /// shortest loop of edges that parts such from what one sees. None does where nothing is hidden.
-pub(super) fn linings(rest: &[Vec3], outward: &[[u32; 3]], adjacency: &Adjacency) -> Vec<bool> {
+pub(super) fn linings(
+    rest: &[Vec3],
+    outward: &[[u32; 3]],
+    adjacency: &Adjacency,
+    job: &Job,
+) -> Result<Vec<bool>> {
     let [pocket, space] = [0, 1].map(|k| (outward.len() + k) as u32);
     let mut cut = Cut::new(outward.len() + 2);
-    let exposures = exposures(rest, outward);
+    job.report(0.0, "pockets");
+    let exposures = exposures(rest, outward, job)?;
+    job.report(0.7, "pockets");
     for (t, &exposure) in (0..).zip(&exposures) {
         if exposure <= HIDDEN {
             cut.join(pocket, t, f64::INFINITY);
@@ -43,14 +50,15 @@ pub(super) fn linings(rest: &[Vec3], outward: &[[u32; 3]], adjacency: &Adjacency
             cut.join(s, t, length * (LEAST + (-jump * jump).exp()));
         }
     }
-    let mut lines = cut.side(pocket, space);
+    let mut lines = cut.side(pocket, space, job)?;
     lines.truncate(outward.len());
-    lines
+    job.report(1.0, "pockets");
+    Ok(lines)
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::{Mesh, Vec3};
+    use crate::{Job, Mesh, Vec3};
     use std::f64::consts::PI;
 
     const AROUND: usize = 32;
@@ -94,7 +102,7 @@ mod tests {
     fn a_bag_is_parted_at_its_mouth() {
         for (mouth, squash) in [(0.1, 1.0), (0.2, 1.0), (0.2, 0.7), (0.3, 0.3)] {
             let (mesh, rings) = pouch(mouth, squash);
-            let linings = mesh.linings();
+            let linings = mesh.linings(&Job::default()).unwrap();
             let off = (0u32..).zip(mesh.triangles()).filter(|(number, t)| {
                 let ring = t.iter().map(|&v| v as usize / AROUND).sum::<usize>() as f64 / 3.0;
                 linings.contains(number) != (ring > (rings - 1) as f64)
@@ -109,7 +117,7 @@ mod tests {
             (1..24).map(|k| PI * f64::from(k) / 24.0).map(|a| [a.sin(), -a.cos()]).collect();
         let bowl = [[0.5, -0.1], [1.0, 0.4], [1.5, 1.0], [1.4, 1.0], [0.9, 0.5], [0.4, 0.1]];
         for profile in [&ball[..], &bowl] {
-            assert!(turned(profile, 1.0).linings().is_empty());
+            assert!(turned(profile, 1.0).linings(&Job::default()).unwrap().is_empty());
         }
     }
 }

@@ -15,7 +15,7 @@ pub use components::Components;
 pub(crate) use distance::Paths;
 
 use crate::geometry::triangle::TriangleGeometry;
-use crate::{Error, Fault, Mat3, Result, Vec3};
+use crate::{Error, Fault, Job, Mat3, Result, Vec3};
 
 /// A validated triangle mesh with its adjacency and geometry.
 ///
@@ -285,9 +285,13 @@ impl Mesh {
     }
 
     /// The input triangles that line a pocket, as mouth bags and eye sockets do ([`linings`]).
-    pub fn linings(&self) -> Vec<u32> {
-        let lines = linings::linings(self.rest(), &self.outward_triangles(), &self.adjacency);
-        self.triangle_ids().iter().zip(lines).filter(|(_, lines)| *lines).map(|(&t, _)| t).collect()
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Cancelled`].
+    pub fn linings(&self, job: &Job) -> Result<Vec<u32>> {
+        let lines = linings::linings(self.rest(), &self.outward_triangles(), &self.adjacency, job)?;
+        Ok(self.triangle_ids().iter().zip(lines).filter(|(_, lines)| *lines).map(|(&t, _)| t).collect())
     }
 
     /// Area of each triangle in unit coordinates.
