@@ -13,6 +13,7 @@ from bpy.props import (
 
 from .. import changes
 from ..bridge.screen import redraw_views
+from ..core.quality import MEASURES, ORDERS
 from ..translations import CONTEXT
 from .markers import LissomCurve, LissomMarker
 from .pose import BAKE_ITEMS, BAKE_OUTPUT, BAKE_PATH, BAKE_STEP
@@ -82,24 +83,12 @@ class LissomKeyQuality(bpy.types.PropertyGroup):
     )
     reasons: StringProperty(name="Reasons", description="Why it is not good, one a line, the worst first")
     faces: StringProperty(name="Faces", description="Faces to look at, by object, as JSON")
-    flipped_triangles: IntProperty(name="Flipped", description="Triangles of the target that are turned over")
-    torn_triangles: IntProperty(name="Torn", description="Triangles 2.5 times as long as was asked")
-    contacts: IntProperty(name="Contacts", description="Vertices of the target that meet another surface")
-    contact_gap: FloatProperty(
-        name="Gap",
-        description="How much wider apart they are than on the source, in percent of the target's size",
-    )
-    closing: FloatProperty(name="Closing", description="What part of the way they come together", default=1.0)
-    strength: FloatProperty(
-        name="Strength", description="Motion over that of the source, as Scale has it", default=1.0
-    )
-    crooked: FloatProperty(
-        name="Crooked", description="Difference of left and right where there is none on the source"
-    )
-    motion: FloatProperty(name="Motion", description="Largest motion, in percent of the target's size")
-    residual: FloatProperty(
-        name="Residual", description="How far the key is from what was asked of each face, of its own size"
-    )
+    __annotations__ |= {
+        name: (IntProperty if isinstance(one.fine, int) else FloatProperty)(
+            name=one.label, description=one.line, default=one.fine
+        )
+        for name, one in MEASURES.items()
+    }
 
 
 class LissomWritten(bpy.types.PropertyGroup):
@@ -232,15 +221,10 @@ class LissomTransfer(bpy.types.PropertyGroup):
         name="Order",
         description="What the table is sorted by, the worst first",
         items=[
-            ("verdict", "Verdict", "Bad keys, then those that deserve a look"),
-            ("flipped_triangles", "Flipped", "Faces that are turned over"),
-            ("torn_triangles", "Torn", "Faces that are stretched beyond what was asked"),
-            ("contact_gap", "Gap", "Lids and lips that stay apart"),
-            ("strength", "Strength", "Motions that are lost or exaggerated"),
-            ("residual", "Residual", "How far the key is from what was asked of each face"),
+            (name, MEASURES[name].label if name in MEASURES else "Verdict", line)
+            for name, (_, _, line) in ORDERS.items()
         ],
     )
-
     split_views: StringProperty(
         options={"HIDDEN"}, description="In a file: the two views that were one before"
     )

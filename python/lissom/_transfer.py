@@ -206,6 +206,9 @@ class Quality(Report):
     crooked: NDArray[np.float64]
     """(k,) difference of left and right over the motion, where both meshes and the source's shape are
     symmetric about a plane across an axis; 0 elsewhere."""
+    covered: NDArray[np.float64]
+    """(k,) what part of the source's motion has a counterpart on the target; 1 where nothing is seen to
+    move."""
     motion: NDArray[np.float64]
     """(k,) largest displacement, in percent of the target's diagonal."""
     residual: NDArray[np.float64]

@@ -1,13 +1,16 @@
 """The table of quality: order, words, and faces as text."""
 
+import dataclasses
+import pathlib
 from types import SimpleNamespace
 
+import lissom
 import numpy as np
 from lissom_addon_core.quality import MEASURES, ORDERS, as_dict, badness, pack_faces, reasons, unpack_faces
 
 
 def row(name, verdict="good", reasons="", faces="", **measures):
-    known = dict.fromkeys(MEASURES, 0) | {"strength": 1.0, "closing": 1.0} | measures
+    known = {name: one.fine for name, one in MEASURES.items()} | measures
     return SimpleNamespace(name=name, verdict=verdict, reasons=reasons, faces=faces, **known)
 
 
@@ -20,6 +23,15 @@ ROWS = [
 ]
 
 
+def test_the_numbers_are_those_of_lissom_and_told_in_the_manual():
+    known = [one.name for one in dataclasses.fields(lissom.Quality)]
+    assert list(MEASURES) == [name for name in known if name not in ("verdict", "reasons", "faces")]
+    assert set(ORDERS) <= {"verdict", *MEASURES}
+    page = pathlib.Path(__file__).parents[2] / "docs" / "command_line.md"
+    told = page.read_text(encoding="utf-8")
+    assert not [name for name in MEASURES if f"`{name}`" not in told], f"missing in {page.name}"
+
+
 def order(by):
     return [found.name for found in sorted(ROWS, key=lambda one: badness(one, by), reverse=True)]
 
@@ -28,7 +40,8 @@ def test_the_worst_come_first():
     assert order("verdict") == ["bad", "strong", "weak", "rough", "fine"]
     assert order("strength")[:2] == ["weak", "strong"]
     assert order("flipped_triangles")[0] == "bad"
-    for name, (_, told) in ORDERS.items():
+    assert badness(row("bare", covered=0.4), "covered") > badness(ROWS[0], "covered")
+    for name, (_, told, _) in ORDERS.items():
         assert all(told(one) for one in ROWS), name
 
 

@@ -9,6 +9,7 @@ import pytest
 import scene
 from bl_ext.user_default.lissom import session
 from bl_ext.user_default.lissom.core.pose_options import METHODS, by_name, options_of
+from bl_ext.user_default.lissom.core.quality import ORDERS
 from bl_ext.user_default.lissom.core.work import Work
 from bl_ext.user_default.lissom.properties.inbetween import SETTINGS
 from test_transfer import monkeys
@@ -400,7 +401,7 @@ def test_the_table_of_quality_tells_verdicts_and_reasons(panels, monkeypatch):
     assert drawn["operators"]["lissom.quality_select"] == [{"key": "b"}]
     assert "Closes only 60 % of the way" in text(drawn) and "1 triangle torn" in text(drawn)
     kind = bpy.types.LISSOM_UL_quality
-    for order in ("verdict", "flipped_triangles", "torn_triangles", "contact_gap", "strength", "residual"):
+    for order in ORDERS:
         settings.quality_order = order
         for row in settings.quality:
             assert draw(kind, settings, row, 0, None, "")["labels"][0] == row.name
@@ -411,7 +412,7 @@ def test_the_table_of_quality_tells_verdicts_and_reasons(panels, monkeypatch):
     assert draw(kind, settings, row, 0, None, "")["labels"][1].endswith("as far")
     row.name = 20 * "long"  # beside it there is no room: below the table, for the active row
     assert draw(kind, settings, row, 0, None, "")["labels"] == [row.name]
-    assert "0% as far" in text(draw(panels["transfer"]))
+    assert "0 % as far" in text(draw(panels["transfer"]))
 
 
 def test_inbetween_passes_its_settings_on_and_shows_sliders(panels):

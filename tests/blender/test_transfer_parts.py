@@ -196,7 +196,7 @@ def test_the_quality_of_every_key_is_listed_and_saved(tmp_path):
     assert rows[-1] == {
         "name": "nothing.001", "verdict": "good", "reasons": [], "faces": {}, "flipped_triangles": 0,
         "torn_triangles": 0, "contacts": 0, "contact_gap": 0.0, "closing": 1.0, "strength": 1.0,
-        "crooked": 0.0, "motion": 0.0, "residual": 0.0,
+        "crooked": 0.0, "covered": 1.0, "motion": 0.0, "residual": 0.0,
     }  # fmt: skip
     settings.active_quality = 2
     assert target.active_shape_key.name == "look.001"

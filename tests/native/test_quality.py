@@ -12,7 +12,7 @@ UPPER = [49, 50, 51, 52, 53, 61, 62, 63, 37, 38, 43, 44]  # landmarks of lips an
 LOWER = [55, 56, 57, 58, 59, 65, 66, 67, 40, 41, 46, 47]
 FACE = 9409  # vertices of the face come first
 NUMBERS = {"flipped_triangles", "torn_triangles", "contacts", "contact_gap", "closing", "strength"}
-NUMBERS |= {"crooked", "motion", "residual"}
+NUMBERS |= {"crooked", "covered", "motion", "residual"}
 
 
 def itself():
@@ -29,7 +29,7 @@ def test_a_transfer_onto_itself_has_nothing_to_say():
     assert all(len(faces) == 0 and faces.dtype == np.int64 for faces in quality.faces)
     assert quality.residual.shape == (2,) and quality.residual.max() < 1e-6
     assert not quality.flipped_triangles.any() and not quality.torn_triangles.any()
-    assert np.allclose(quality.strength, 1) and (quality.closing == 1).all()
+    assert np.allclose(quality.strength, 1) and (quality.closing == 1).all() and (quality.covered == 1).all()
     motion = np.linalg.norm(KEYS - VERTICES, axis=2).max(axis=1)
     assert np.allclose(quality.motion, 100 * motion / diagonal(VERTICES))
 
@@ -37,8 +37,10 @@ def test_a_transfer_onto_itself_has_nothing_to_say():
 def test_row_31_a_key_that_moves_nothing_is_good():
     transfer = itself()
     quality = transfer.quality(VERTICES[None], transfer.apply(VERTICES[None]).vertices)
-    assert quality.verdict == ["good"] and quality.strength[0] == quality.closing[0] == 1
-    assert not any(quality[name].any() for name in NUMBERS - {"strength", "closing"})
+    assert (
+        quality.verdict == ["good"] and quality.strength[0] == quality.closing[0] == quality.covered[0] == 1
+    )
+    assert not any(quality[name].any() for name in NUMBERS - {"strength", "closing", "covered"})
 
 
 def turned(rest, pose, patch):
@@ -259,3 +261,16 @@ def sides(vertices, faces, landmarks):
     upper, lower = found
     near = (np.minimum(upper, lower) < 1.2) & (np.arange(len(vertices)) < FACE)
     return np.where(near & (upper < 0.6 * lower), 1, 0) - np.where(near & (lower < 0.6 * upper), 1, 0)
+
+
+def test_what_has_no_counterpart_is_counted_and_told():
+    """Only the end that hardly moves is matched."""
+    mesh = lissom.Mesh(VERTICES, FACES)
+    far = VERTICES[FACES].mean(axis=1)[:, 0]
+    same = np.column_stack([np.arange(len(FACES))] * 2)[far < np.quantile(far, 0.3)]
+    transfer = lissom.Transfer(mesh, mesh, same)
+    key = VERTICES + 0.05 * VERTICES[:, :1] ** 2 * [0, 0, 1]
+    quality = transfer.quality(key[None], transfer.apply(key[None]).vertices)
+    assert quality.covered[0] < 0.5 and quality.verdict != ["good"]
+    percent = round(100 * quality.covered[0])
+    assert f"only {percent} % of what moves on the source has a counterpart" in quality.reasons[0]

@@ -210,6 +210,7 @@ fn qualities(py: Python<'_>, keys: Vec<KeyQuality>) -> PyResult<Py<PyAny>> {
     dict.set_item("closing", numbers(|key| key.closing))?;
     dict.set_item("strength", numbers(|key| key.strength))?;
     dict.set_item("crooked", numbers(|key| key.crooked))?;
+    dict.set_item("covered", numbers(|key| key.covered))?;
     dict.set_item("motion", numbers(|key| key.motion))?;
     dict.set_item("residual", numbers(|key| key.residual))?;
     Ok(dict.into_any().unbind())

@@ -70,6 +70,8 @@ pub struct KeyQuality {
     pub strength: f64,
     /// Difference of left and right over the motion; 0 where there is no symmetry.
     pub crooked: f64,
+    /// What part of the source's motion has a counterpart on the target; 1 where nothing is seen to move.
+    pub covered: f64,
     /// Largest displacement of a target vertex, in percent of the target's diagonal.
     pub motion: f64,
     /// Relative, 0 where nothing is asked for.
@@ -187,6 +189,7 @@ impl Transfer {
             closing,
             strength,
             crooked,
+            covered,
             motion: 100.0 * motion,
             residual,
         }
