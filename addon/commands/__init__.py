@@ -16,12 +16,34 @@ COMMANDS = {"face": face, "image": image, "inbetween": inbetween, "learn": learn
 _handle = None
 
 
+class Help(argparse.HelpFormatter):
+    """Help that begins with a capital, as the core's does, and says every default that counts."""
+
+    def _get_help_string(self, action):
+        told = (action.help or "").removesuffix(" (default: %(default)s)")  # Python's own, of switches
+        default = action.default
+        if isinstance(default, bool):
+            default = ("off", "on")[default] if "--no-" in str(action.option_strings) else ""
+        elif isinstance(default, float):
+            default = f"{default:g}"
+        shown = default not in (None, "", [], argparse.SUPPRESS) and "(default: " not in told
+        return told[:1].upper() + told[1:] + (f" (default: {default})" if shown else "")
+
+
+def parser():
+    """The argparse.ArgumentParser of all commands."""
+    made = argparse.ArgumentParser(
+        prog="blender --command lissom", description="Lissom, without a window", formatter_class=Help
+    )
+    commands = made.add_subparsers(dest="command", required=True)
+    for name, module in COMMANDS.items():
+        told = {"help": module.SUMMARY, "description": module.SUMMARY}
+        module.configure(commands.add_parser(name, formatter_class=Help, **told))
+    return made
+
+
 def main(words):
     """Runs one command line, without "lissom" itself; returns the exit code."""
-    parser = argparse.ArgumentParser(prog="blender --command lissom", description="Lissom, without a window")
-    commands = parser.add_subparsers(dest="command", required=True)
-    for name, module in COMMANDS.items():
-        module.configure(commands.add_parser(name, help=module.SUMMARY, description=module.SUMMARY))
     for word in words:
         try:
             word.encode()
@@ -29,7 +51,7 @@ def main(words):
             print(f"Error: {word!a} is not UTF-8: rename the file or folder first")
             return outputs.BAD_INPUT
     try:
-        arguments = parser.parse_args(words)
+        arguments = parser().parse_args(words)
     except SystemExit as end:  # argparse has said why; --help ends with 0
         return int(end.code or 0)
     try:

@@ -6,8 +6,7 @@ from dataclasses import asdict
 import bpy
 from lissom import names
 
-from ..core.files import write_json
-from ..core.names import EXISTS_ITEMS
+from ..core.face_parts import KINDS
 from ..core.options import argument
 from ..core.refused import Refused
 from ..jobs.brought import mesh_objects
@@ -15,6 +14,7 @@ from ..jobs.face import FaceAsked, FaceKeys
 from . import outputs, strengths
 
 SUMMARY = "give a head the shape keys of a whole face, found by its shape alone"
+KINDS_HELP = f"what parts are where their shape misleads, as EYE=Lamp: {', '.join(KINDS)}"
 NEXT = (
     "Say by --landmarks where the face is, or press Face Keys in Blender's window, set the landmarks that it "
     "asks for, and save the file"
@@ -33,15 +33,14 @@ def configure(parser):
         default="arkit",
         help="what the keys are called",
     )
-    add("--exists", choices=[item[0].lower() for item in EXISTS_ITEMS], default="update")
-    add("--edited", choices=("keep", "carry", "overwrite"), default="keep", help="keys edited by hand (keep)")
+    outputs.add_there(add)
     add("--contact", **argument("transfer", "contact"))
     add("--landmarks", help="JSON of landmarks that an outside detector has found on the head")
-    add("--kinds", nargs="+", default=[], metavar="KIND=OBJECT", help="what parts are, as EYE=Lamp")
-    add("--strength", type=float, default=1.0, help="of all keys (1)")
+    add("--kinds", nargs="+", default=[], metavar="KIND=OBJECT", help=KINDS_HELP)
+    add("--strength", type=float, default=1.0, help="of all keys")
     strengths.configure(add)
     add("--out", required=True, help="the .blend file to write")
-    add("--report", help="also write what was done as JSON")
+    outputs.add_report(add)
 
 
 def run(arguments):
@@ -70,9 +69,8 @@ def run(arguments):
         objects = mesh_objects(bpy.context, [arguments.target, *arguments.parts])
         errors = strengths.apply(bpy.context, wanted, objects)
         outputs.save(arguments.out)
-    if arguments.report:
-        seconds = round(time.perf_counter() - started, 3)
-        write_json(arguments.report, asdict(done) | {"errors": errors, "seconds": seconds})
+    fit = {"fit": done.report, "certainty": done.sure}
+    outputs.write_report(arguments, started, asdict(done) | fit, errors)
     if done.stopped:
         outputs.say_errors([f"{done.summary}. {NEXT}"])
         return outputs.BAD_INPUT

@@ -1,9 +1,12 @@
 """``blender --command lissom image``: a flat mesh of an image, or a second image at the end of its arc."""
 
+import time
+from dataclasses import asdict
+
 import bpy
 
 from ..core.image import LABELS
-from ..core.options import argument
+from ..core.options import argument, option
 from ..core.refused import Refused
 from ..jobs.image import ImageAsked, ImageMesh, lay_second
 from . import outputs
@@ -21,13 +24,15 @@ def configure(parser):
     add("--out", required=True, help="the .blend file to write")
     for name in LABELS:
         add(f"--{name}", **argument("image_mesh", name))
-    add("--height", type=float, default=2.0, help="height of the whole image in scene units (default: 2)")
+    add("--height", type=float, default=2.0, help="height of the whole image in scene units")
     add("--object", default="", help="name of the mesh object that gets the second image")
     add("--slider", default="", help="slider of its arc (default: that of the last one)")
+    outputs.add_report(add)
 
 
 def run(arguments):
     """Reads, makes, writes; returns the exit code."""
+    started = time.perf_counter()
     _check(arguments)
     if arguments.file:
         outputs.open_file(arguments.file)
@@ -41,19 +46,15 @@ def run(arguments):
     else:
         done = lay_second(bpy.context, arguments.object, arguments.slider, filepath=image)
     outputs.save(arguments.out)
+    outputs.write_report(arguments, started, asdict(done))
     outputs.say(done)
     return outputs.DONE
 
 
 def _check(arguments):
-    outputs.check(arguments, ("image", "second", "file"), ("out",))
+    outputs.check(arguments, ("image", "second", "file"), ("out", "report"))
     if arguments.second and not (arguments.file and arguments.object):
         raise Refused("--second: say by --file and --object which mesh gets it")
     if not arguments.height > 0:
         raise Refused("--height: choose a height above 0")
-    for name, low, high in (
-        ("edge", 0.0, None), ("threshold", 0.0, 1.0), ("tolerance", 0.0, None), ("smallest", 0.0, None),
-    ):  # fmt: skip
-        value = getattr(arguments, name)
-        if not value >= low or (high is not None and value > high):
-            raise Refused(f"--{name}: {value:g} is out of its range")
+    outputs.check_ranges(arguments, {name: option("image_mesh", name, "") for name in LABELS})

@@ -6,7 +6,7 @@ import bpy
 import lissom
 
 from ..core.easing import EASINGS
-from ..core.files import image_format, write_json
+from ..core.files import image_format
 from ..core.inbetween import MAX_COUNT, PLAYBACK_ITEMS, ArcAsked
 from ..core.options import argument
 from ..core.refused import Refused
@@ -26,24 +26,35 @@ def configure(parser):
     add("--start", default="", help="shape key that arcs start at (default: the Basis)")
     add("--end", required=True, nargs="+", help="shape keys that arcs lead to, an arc for each")
     keys = parser.add_mutually_exclusive_group()
-    keys.add_argument("--count", type=int, help=f"in-betweens, 1 to {MAX_COUNT} (default: 5)")
+    keys.add_argument("--count", type=int, help=f"in-betweens, 1 to {MAX_COUNT} (default: {ArcAsked.count})")
     keys.add_argument("--tolerance", type=float, help="the fewest keys within this distance, in scene units")
     for name in ("rotation", "stretch", "refinement", "preserve_volume"):
         add(f"--{name.replace('_', '-')}", **argument("inbetween", name))
     add("--through", default="", help="keys that arcs hit on their way, as 'half: 0.5, wide: 0.8'")
     add("--clearance", default="", help="name of a closed mesh object that arcs keep out of")
-    add("--easing", choices=[name.lower() for name in EASINGS], default="linear")
-    add("--playback", choices=[item[0].lower() for item in PLAYBACK_ITEMS], default="relative")
+    add(
+        "--easing",
+        choices=[name.lower() for name in EASINGS],
+        default="linear",
+        help="how arcs run as the slider does",
+    )
+    add(
+        "--playback",
+        choices=[item[0].lower() for item in PLAYBACK_ITEMS],
+        default="relative",
+        help="how the keys are played",
+    )
     add("--leave-animation", action="store_true", help="leave drivers and animation with the end key")
     add("--out", required=True, help="the .blend file to write")
     add("--sheet", help="also write a picture of the arcs beside the straight lines, .png or .jpg")
-    add("--steps", type=int, default=STEPS, help=f"tiles in a row of that picture (default: {STEPS})")
-    add("--turn", type=float, default=30.0, help="degrees by which it looks from the side (default: 30)")
-    add("--report", help="also write what was done as JSON")
+    add("--steps", type=int, default=STEPS, help="tiles in a row of that picture")
+    add("--turn", type=float, default=30.0, help="degrees by which it looks from the side")
+    outputs.add_report(add)
 
 
 def run(arguments):
     """Reads, bakes, writes; returns the exit code."""
+    started = time.perf_counter()
     try:
         _check(arguments)
         source = outputs.open_file(arguments.file)
@@ -58,9 +69,10 @@ def run(arguments):
             if arguments.sheet:
                 names = [entry["slider"] for entry in done]
                 draw_sheet(obj, names, arguments.sheet, arguments.steps, arguments.turn)
-        if arguments.report:
-            report = {"file": source, "object": obj.name, "arcs": baked}
-            write_json(arguments.report, report)
+        warnings = [f"'{arc['end']}': {line}" for arc in done for line in arc["warnings"]]
+        report = {"file": source, "object": obj.name, "arcs": baked, "warnings": warnings}
+        errors = [f"'{arc['end']}': {arc['error']}" for arc in baked if "error" in arc]
+        outputs.write_report(arguments, started, report, errors)
     except (Refused, RuntimeError, OSError) as error:
         _failed(str(error))
         return outputs.PARTLY_DONE if done else outputs.BAD_INPUT
@@ -101,6 +113,7 @@ def _bake(obj, end, arguments):
         settings |= {"sampling": "TOLERANCE", "tolerance": arguments.tolerance}
     elif arguments.count is not None:
         settings["count"] = arguments.count
+    report = settings | {name: settings[name].lower() for name in ("easing", "playback")}
     started = time.perf_counter()
     try:
         bake = Bake(bpy.context, ArcAsked(object=obj.name, **settings))
@@ -109,10 +122,10 @@ def _bake(obj, end, arguments):
         raise
     except (Refused, lissom.Error) as error:
         _failed(f"'{end}': {error}")
-        return settings | {"error": str(error)}
+        return report | {"error": str(error)}
     outputs.say_warnings(done.warnings)
     print(f"'{end}': {done.summary}")
-    return settings | {
+    return report | {
         "slider": done.slider,
         "keys": [{"name": name, "time": at} for name, at in done.keys],
         "warnings": done.warnings,

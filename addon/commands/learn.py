@@ -1,10 +1,10 @@
 """``blender --command lissom learn``: keys that were corrected by hand teach the others."""
 
+import time
 from dataclasses import asdict
 
 import bpy
 
-from ..core.files import write_json
 from ..core.options import argument
 from ..core.refused import Refused
 from ..jobs.learn import Learn, LearnAsked
@@ -22,11 +22,12 @@ def configure(parser):
     add("--right", nargs="+", default=[], help="names of keys that need no correction: they teach as much")
     add("--strength", **argument("learn", "strength"))
     add("--out", help="the .blend file to write (default: only the report)")
-    add("--report", help="also write what was learned as JSON")
+    outputs.add_report(add)
 
 
 def run(arguments):
     """Reads, learns, writes; returns the exit code."""
+    started = time.perf_counter()
     outputs.check(arguments, ("file",), ("out", "report"))
     if not 0 <= arguments.strength <= STRONGEST:
         raise Refused(f"--strength: choose a number from 0 to {STRONGEST}")
@@ -36,7 +37,6 @@ def run(arguments):
     done = job.write(bpy.context, job.work.wait())
     if arguments.out:
         outputs.save(arguments.out)
-    if arguments.report:
-        write_json(arguments.report, asdict(done))
+    outputs.write_report(arguments, started, asdict(done))
     outputs.say(done)
     return outputs.DONE

@@ -1,11 +1,15 @@
 """What a command says, and its files: those it writes are none of those it reads, nor each other."""
 
+import math
 import os
 import pathlib
 import stat
+import time
 
 import bpy
 
+from ..core.files import write_json
+from ..core.names import EDITED_ITEMS, EXISTS_ITEMS
 from ..core.refused import Refused
 
 DONE, BAD_INPUT, PARTLY_DONE, CANCELLED = 0, 2, 3, 130  # exit codes
@@ -35,6 +39,21 @@ def check(arguments, reads, writes):
                 raise Refused(f"{_flag(name)}: '{path}' is the file of {_flag(other)}: choose another")
 
 
+def check_ranges(arguments, options):
+    """Refused where an argument is out of the range of its option, as a panel has it; ``options`` {argument:
+    core.options.Option}.
+    """
+    for name, one in options.items():
+        value = getattr(arguments, name)
+        if isinstance(one.default, (int, float)) and not isinstance(one.default, bool):
+            low, high = (
+                math.inf * sign if end is None else end for sign, end in ((-1, one.low), (1, one.high))
+            )
+            if not low <= value <= high:
+                told = f"at least {low:g}" if math.isinf(high) else f"from {low:g} to {high:g}"
+                raise Refused(f"{_flag(name)}: {value:g} is out of its range, {told}")
+
+
 def absolute(path):
     """The path that Blender and reports are given."""
     return str(pathlib.Path(path).resolve())
@@ -54,6 +73,36 @@ def save(path):
     bpy.ops.wm.save_as_mainfile(filepath=str(place), copy=True)
     if mode is not None:
         place.chmod(mode)
+
+
+def add_there(add):
+    """Adds what becomes of keys that are there already, by ``add_argument`` of a parser."""
+    add(
+        "--exists",
+        choices=[item[0].lower() for item in EXISTS_ITEMS],
+        default="update",
+        help="what becomes of keys whose names are taken",
+    )
+    add(
+        "--edited",
+        choices=[item[0].lower() for item in EDITED_ITEMS],
+        default="keep",
+        help="what becomes of keys that were edited by hand since they were transferred",
+    )
+
+
+def add_report(add):
+    """Adds ``--report`` by ``add_argument`` of a parser."""
+    add("--report", help="also write what was done as JSON")
+
+
+def write_report(arguments, started, told, errors=()):
+    """Writes ``told``, which has ``warnings`` and where there is one the ``fit`` and its ``certainty``, to
+    ``--report``, with the errors and the seconds since ``started``.
+    """
+    if arguments.report:
+        seconds = round(time.perf_counter() - started, 3)
+        write_json(arguments.report, told | {"errors": list(errors), "seconds": seconds})
 
 
 def say_warnings(warnings):

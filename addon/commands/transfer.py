@@ -6,8 +6,6 @@ from dataclasses import asdict
 import bpy
 
 from ..core import bake
-from ..core.files import write_json
-from ..core.names import EXISTS_ITEMS
 from ..core.options import argument
 from ..core.refused import Refused
 from ..jobs.brought import Brought, mesh_objects
@@ -41,13 +39,7 @@ def configure(parser):
         "third number is the step",
     )
     add("--cache", help="with --frames: the point cache to write (default: shape keys)")
-    add("--exists", choices=[item[0].lower() for item in EXISTS_ITEMS], default="update")
-    add(
-        "--edited",
-        choices=("keep", "carry", "overwrite"),
-        default="keep",
-        help="what becomes of keys that were edited by hand since they were transferred (keep)",
-    )
+    outputs.add_there(add)
     add("--loose-parts", **argument("transfer", "unmatched"))
     add("--scale", **argument("transfer", "scale"))
     add("--drivers", choices=("rewire", "keep", "none"), default="rewire", help="what becomes of drivers")
@@ -61,7 +53,7 @@ def configure(parser):
     add("--source-mask", default="", help="vertex group of the source that matches nothing")
     add("--target-mask", default="", help="vertex group of the target that matches nothing")
     add("--out", required=True, help="the .blend file to write")
-    add("--report", help="also write what was done as JSON")
+    outputs.add_report(add)
 
 
 def run(arguments):
@@ -75,19 +67,17 @@ def run(arguments):
     brought = Brought(bpy.context, arguments.source, _source_file(arguments))
     sources = brought.objects
     transfer = next((run for name, run in INSTEAD.items() if getattr(arguments, name)), _transfer_keys)
-    report = {"source": [source.name for source in sources], "target": arguments.target, "errors": []}
-    done, what = transfer(arguments, sources, _common(arguments, sources))
-    report |= what
-    report |= {"fit": done.fit.fit.report, "doubtful_markers": done.doubtful_markers}
-    report["seconds"] = round(time.perf_counter() - started, 3)
-    report["errors"] += brought.send_back(targets)
-    report["errors"] += strengths.apply(bpy.context, wanted, targets)
+    report = {"source": [source.name for source in sources], "target": arguments.target}
+    done, what, errors = transfer(arguments, sources, _common(arguments, sources))
+    fit = done.fit.fit.report
+    report |= what | {"fit": fit, "certainty": fit["certainty"], "doubtful_markers": done.doubtful_markers}
+    errors += brought.send_back(targets)
+    errors += strengths.apply(bpy.context, wanted, targets)
     outputs.save(arguments.out)
-    if arguments.report:
-        write_json(arguments.report, report)
+    outputs.write_report(arguments, started, report | {"warnings": done.warnings}, errors)
     outputs.say_quality(report.get("quality", ()))
     print(f"{_done(report)} on {', '.join(repr(target.name) for target in targets)}")
-    return outputs.say_errors(report["errors"])
+    return outputs.say_errors(errors)
 
 
 def _common(arguments, sources):
@@ -132,13 +122,13 @@ def _transfer_keys(arguments, sources, common):
     )
     done = _run(TransferKeys(bpy.context, asked))
     errors = [f"'{arguments.source[0]}' has no shape key named '{name}'" for name in unknown]
-    return done, {"keys": keys, "errors": errors, "quality": done.quality} | _found(arguments, done)
+    return done, {"keys": keys, "quality": done.quality} | _found(arguments, done), errors
 
 
 def _transfer_pose(arguments, sources, common):
     what = {"exists": arguments.exists.upper(), "edited": arguments.edited.upper()}
     done = _run(TransferPose(bpy.context, PoseAsked(name=arguments.pose, **what, **common)))
-    return done, {"pose": arguments.pose} | _found(arguments, done)
+    return done, {"pose": arguments.pose} | _found(arguments, done), []
 
 
 def _transfer_frames(arguments, sources, common):
@@ -150,7 +140,7 @@ def _transfer_frames(arguments, sources, common):
     else:
         asked.keys = tuple(bake.key_names(asked.name, frames))
     done = _run(TransferAnimation(bpy.context, asked))
-    return done, {"frames": frames, "caches": done.caches}
+    return done, {"frames": frames, "caches": done.caches}, []
 
 
 INSTEAD = {"pose": _transfer_pose, "frames": _transfer_frames}

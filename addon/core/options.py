@@ -18,6 +18,7 @@ class Option(NamedTuple):
     low: float | None = None
     high: float | None = None
     soft_high: float | None = None
+    precision: int | None = None  # digits that a slider shows; None: as Blender does
     when: tuple = ()  # (name, value) of the option without which this one does nothing
 
 
@@ -25,8 +26,8 @@ def option(owner, name, label, labels=None, **ends):
     """The option ``name`` of ``owner`` under a ``label``.
 
     ``labels`` is {value: label} of a choice, in the order of the places that files store. ``ends`` are
-    ``low``, ``high`` and ``soft_high`` of a slider where the core's range is open or endless, or a
-    ``default`` that differs on purpose.
+    ``low``, ``high``, ``soft_high`` and ``precision`` of a slider where the core's range is open or endless,
+    or a ``default`` that differs on purpose.
     """
     known = _KNOWN[owner, name]
     lines = dict(known.choices)
@@ -47,14 +48,11 @@ def argument(owner, name):
     if known.kind == "bool":
         return {"action": argparse.BooleanOptionalAction, "default": known.default, "help": known.help}
     if known.kind == "choice":
-        return {
-            "choices": [value for value, _ in known.choices],
-            "default": known.default,
-            "help": f"{known.help} ({known.default})",
-        }
-    unit = f", {known.unit}" if known.unit else ""
+        choices = [value for value, _ in known.choices]
+        return {"choices": choices, "default": known.default, "help": known.help}
+    unit = f" ({known.unit})" if known.unit else ""
     kind = {"int": int, "float": float}[known.kind]
-    return {"type": kind, "default": known.default, "help": f"{known.help} ({known.default:g}{unit})"}
+    return {"type": kind, "default": known.default, "help": known.help + unit}
 
 
 def default(owner, name):

@@ -198,6 +198,7 @@ def test_the_command_writes_keys_and_a_report(tmp_path):
     with open(report, encoding="utf-8") as file:
         told = json.load(file)
     assert told["written"]["Head"] == list(names.TABLES["VISEMES"]) and told["report"]["certainty"] > 0.9
+    assert told["fit"] == told["report"] and told["certainty"] == told["sure"] and told["warnings"] == []
     bpy.ops.wm.open_mainfile(filepath=out)
     head = bpy.data.objects["Head"]
     assert head.data.shape_keys.key_blocks.keys()[1:] == told["written"]["Head"] and told["errors"] == []

@@ -1,5 +1,7 @@
 """Drawings: image meshes, and a second image at the end of an arc."""
 
+import json
+
 import bpy
 import numpy as np
 import pytest
@@ -222,7 +224,11 @@ def test_the_command_makes_what_the_operators_make(tmp_path, capfd):
         image.filepath_raw, image.file_format = str(path), "PNG"
         image.save()
     first, second = str(tmp_path / "first.blend"), str(tmp_path / "second.blend")
-    assert commands.main(["image", "--image", str(one), "--edge", "6", "--out", first]) == 0
+    report = tmp_path / "report.json"
+    words = ["image", "--image", str(one), "--edge", "6", "--out", first, "--report", str(report)]
+    assert commands.main(words) == 0
+    told = json.loads(report.read_text())
+    assert told["object"] == "one.png" and told["errors"] == [] and told["seconds"] > 0
     bpy.ops.wm.open_mainfile(filepath=first)
     obj = bpy.data.objects["one.png"]
     bend(obj)

@@ -32,8 +32,11 @@ def test_it_bakes_what_the_panel_bakes_and_reports_it(file, tmp_path):
     out, report = tmp_path / "out.blend", tmp_path / "report.json"
     asked = ("--file", file, "--object", "Tube", "--start", "half", "--end", "full", "--tolerance", 0.05)
     assert command(*asked, "--rotation", "shortest", "--out", out, "--report", report) == 0
-    (arc,) = json.loads(report.read_text())["arcs"]
+    told = json.loads(report.read_text())
+    (arc,) = told["arcs"]
     assert (arc["slider"], arc["warnings"]) == ("full arc", [])
+    assert (arc["easing"], arc["playback"]) == ("linear", "relative"), "as the arguments have them"
+    assert (told["warnings"], told["errors"]) == ([], []) and told["seconds"] > 0
     bpy.ops.wm.open_mainfile(filepath=str(out))
     obj = bpy.data.objects["Tube"]
     path = native_path(obj, "half", "full", rotation="shortest")
@@ -48,7 +51,9 @@ def test_an_arc_that_fails_leaves_the_others(file, tmp_path, capfd):
     out, report = tmp_path / "out.blend", tmp_path / "report.json"
     asked = ("--file", file, "--object", "Tube", "--end", "half", "none", "full", "--out", out)
     assert command(*asked, "--count", 1, "--report", report) == 3
-    arcs = json.loads(report.read_text())["arcs"]
+    told = json.loads(report.read_text())
+    arcs = told["arcs"]
+    assert told["errors"] == [f"'none': {arcs[1]['error']}"]
     assert ["error" in arc for arc in arcs] == [False, True, False]
     assert "no shape key named 'none'" in arcs[1]["error"]
     assert "no shape key named 'none'" in capfd.readouterr().out
@@ -82,7 +87,7 @@ def test_words_that_make_no_command_end_with_2(capfd):
     for words in ([], ["none"], ["inbetween", "--file", "x"], ["inbetween", "--count", "many"]):
         assert commands.main(words) == 2
     assert commands.main(["--help"]) == 0
-    assert "bake the arc" in capfd.readouterr().out
+    assert "Bake the arc" in capfd.readouterr().out
 
 
 def test_row_40_a_cancelled_bake_writes_nothing_and_ends_with_130(file, tmp_path, monkeypatch):

@@ -166,6 +166,7 @@ def test_the_command_learns(tmp_path, capsys):
     assert commands.main(list(map(str, words))) == 0
     report = json.loads(paths["say"].read_text())
     assert report["written"] == ["all"] and set(report["foretold"]) == set(TAUGHT)
+    assert report["errors"] == [] and report["seconds"] > 0 and "warnings" in report
     bpy.ops.wm.open_mainfile(filepath=str(paths["out"]))
     assert np.linalg.norm(deltas(bpy.data.objects["Monkey"], "all")) > 1.2 * np.linalg.norm(plain)
     assert commands.main([*map(str, words[:5]), "--strength", "3"]) == 2

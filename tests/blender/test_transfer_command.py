@@ -43,7 +43,8 @@ def test_it_transfers_what_the_panel_transfers(files):
     markers = ("--markers", folder / "markers.json")
     assert command("--file", folder / "both.blend", *markers, "--out", out, "--report", report) == 0
     said = json.loads(report.read_text())
-    assert said["keys"] == ["squash", "ears"] and said["errors"] == []
+    assert said["keys"] == ["squash", "ears"] and said["errors"] == said["warnings"] == []
+    assert said["certainty"] == said["fit"]["certainty"] == 1 and said["seconds"] > 0
     assert said["fit"]["distance_mean_percent"] < 1
     bpy.ops.wm.open_mainfile(filepath=str(out))
     for name, delta in expected.items():
