@@ -8,6 +8,7 @@ import bpy
 from ..core import bake
 from ..core.options import argument
 from ..core.refused import Refused
+from ..core.transfer_options import FLAGS, MASKS, OPTIONS
 from ..jobs.brought import Brought, mesh_objects
 from ..jobs.fit import key_names
 from ..jobs.transfer_keys import KeysAsked, TransferKeys
@@ -16,6 +17,7 @@ from . import outputs, strengths
 
 SUMMARY = "carry shape keys, a pose or animation of one mesh over to another of different topology"
 MAX_FRAME = 1_048_574
+_OPTIONS = {name: one for own in OPTIONS.values() for name, one in own.items()}
 
 
 def configure(parser):
@@ -26,7 +28,6 @@ def configure(parser):
     add("--source", required=True, nargs="+", help="mesh object with the keys, and further ones")
     add("--source-file", help="the .blend file with the source (default: that of the target)")
     add("--markers", default="", help="marker file (default: the file's markers; without any, the shapes)")
-    add("--overlap", **argument("fit", "overlap"))
     what = parser.add_mutually_exclusive_group().add_argument
     what("--keys", nargs="+", default=[], help="names of the shape keys (default: all)")
     what("--pose", metavar="NAME", help="in place of keys: what the source looks like, as this shape key")
@@ -40,18 +41,15 @@ def configure(parser):
     )
     add("--cache", help="with --frames: the point cache to write (default: shape keys)")
     outputs.add_there(add)
-    add("--loose-parts", **argument("transfer", "unmatched"))
-    add("--scale", **argument("transfer", "scale"))
     add("--drivers", choices=("rewire", "keep", "none"), default="rewire", help="what becomes of drivers")
-    add("--contact", **argument("transfer", "contact"))
-    add("--stretch", **argument("transfer", "stretch"))
     strengths.configure(add)
     add("--drop-empty", action="store_true", help="leave out keys that do not move the target")
-    add("--tightness", **argument("fit", "closest"))
-    add("--marker-tolerance", **argument("fit", "marker_tolerance"))
-    add("--match-distance", **argument("fit", "match_distance"))
-    add("--source-mask", default="", help="vertex group of the source that matches nothing")
-    add("--target-mask", default="", help="vertex group of the target that matches nothing")
+    for owner, options in OPTIONS.items():
+        for name in options:
+            add(f"--{FLAGS.get(name, name).replace('_', '-')}", **argument(owner, name))
+    for mask in MASKS:
+        side = mask.partition("_")[0]
+        add(f"--{side}-mask", default="", help=f"vertex group of the {side} that matches nothing")
     add("--out", required=True, help="the .blend file to write")
     outputs.add_report(add)
 
@@ -86,16 +84,7 @@ def _common(arguments, sources):
         "source": "\n".join(source.name for source in sources),
         "target": "\n".join(arguments.target),
         "filepath": outputs.absolute(arguments.markers) if arguments.markers else "",
-        "unmatched": arguments.loose_parts,
-        "scale": arguments.scale,
-        "contact": arguments.contact,
-        "stretch": arguments.stretch,
-        "overlap": arguments.overlap,
-        "marker_tolerance": arguments.marker_tolerance,
-        "match_distance": arguments.match_distance,
-        "closest": arguments.tightness,
-        "source_mask": arguments.source_mask,
-        "target_mask": arguments.target_mask,
+        **{name: getattr(arguments, FLAGS.get(name, name)) for name in (*_OPTIONS, *MASKS)},
     }
 
 
@@ -166,12 +155,7 @@ def _check(arguments):
         )
     if arguments.cache and not arguments.frames:
         raise Refused("--cache: it keeps what --frames makes: give the frames too")
-    if not 0 <= arguments.marker_tolerance <= 1:
-        raise Refused("--marker-tolerance: choose a part of the diagonal, from 0 to 1")
-    if not 0 < arguments.match_distance <= 1:
-        raise Refused("--match-distance: choose a part of the diagonal, above 0 and at most 1")
-    if not 1 <= arguments.tightness <= 1e6:
-        raise Refused("--tightness: choose a number from 1 to 1000000")
+    outputs.check_ranges(arguments, {FLAGS.get(name, name): one for name, one in _OPTIONS.items()})
 
 
 def _source_file(arguments):

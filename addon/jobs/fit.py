@@ -1,7 +1,7 @@
 """Fit: which face of the source belongs to which face of the target."""
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, make_dataclass
 from typing import NamedTuple
 
 import bpy
@@ -13,43 +13,38 @@ from ..bridge import markers as bridge_markers
 from ..bridge.assembly import Assembly, both_sides
 from ..core import faults, marker_places
 from ..core.colours import LIMIT
-from ..core.options import default
 from ..core.refused import Refused
 from ..core.transfer import doubts, fit_work, told
+from ..core.transfer_options import MASKS, OPTIONS, values
 from . import Asked, Done
 
-OPTIONS = ("overlap", "marker_tolerance", "match_distance", "closest")
+
+def _options(owner):
+    """A base of what is asked for, with the fields that are options of ``owner``."""
+    own = [(name, type(one.default), one.default) for name, one in OPTIONS[owner].items()]
+    return make_dataclass(f"{owner.capitalize()}Options", own, bases=(Asked,), kw_only=True)
 
 
 @dataclass(kw_only=True)
-class FitAsked(Asked):
+class FitAsked(_options("fit")):
     """What a fit is made of; objects by name, one a line, or "" for the scene's."""
 
     source: str = ""
     target: str = ""
     markers: str = ""  # the text of a marker file; "": the scene's list, or none
     filepath: str = ""  # a marker file in place of it
-    overlap: bool = default("fit", "overlap")
-    marker_tolerance: float = default("fit", "marker_tolerance")
-    match_distance: float = default("fit", "match_distance")
-    closest: float = default("fit", "closest")
     source_mask: str = ""  # vertex groups that match nothing
     target_mask: str = ""
 
 
 @dataclass(kw_only=True)
-class TransferAsked(FitAsked):
+class TransferAsked(_options("transfer"), FitAsked):
     """What a transfer is made of."""
-
-    unmatched: str = default("transfer", "unmatched")
-    scale: str = default("transfer", "scale")
-    contact: bool = default("transfer", "contact")
-    stretch: float = default("transfer", "stretch")
 
     @property
     def options(self):
         """Those of lissom.Transfer."""
-        return {name: getattr(self, name) for name in ("unmatched", "scale", "contact", "stretch")}
+        return values(self, "transfer")
 
 
 class Memory(NamedTuple):
@@ -157,11 +152,10 @@ class Request:
         self.pairs, self.curves, self.warnings = (
             ([], [], []) if asked.overlap else bridge_markers.gather(context, sources, targets, *given)
         )
-        self.options = {name: getattr(asked, name) for name in OPTIONS}
-        for side in ("source", "target"):
-            group = getattr(asked, f"{side}_mask")
-            if group:
-                self.options[f"{side}_mask"] = getattr(self, side).mask(group)
+        self.options = values(asked, "fit")
+        for mask, side in zip(MASKS, (self.source, self.target), strict=True):
+            if getattr(asked, mask):
+                self.options[mask] = side.mask(getattr(asked, mask))
         if self.curves:
             self.options["curves"] = [tuple(map(list, curve.vertices)) for curve in self.curves]
         self._exact = asked.marker_tolerance == 0

@@ -6,17 +6,7 @@ from ..bridge import checks
 from ..bridge.assembly import both_sides
 from ..core.refused import Refused
 from ..jobs.fit import key_names
-from ..properties.transfer_options import (
-    closest_property,
-    contact_property,
-    marker_tolerance_property,
-    mask_property,
-    match_distance_property,
-    overlap_property,
-    scale_property,
-    stretch_property,
-    unmatched_property,
-)
+from ..properties.transfer_options import fit_properties, transfer_properties
 from .job import allowed
 from .objects import SOURCE, TARGET
 
@@ -39,25 +29,19 @@ class FitProperties:
 
     keeps = "lissom_transfer"
 
-    source: StringProperty(**SOURCE)
-    target: StringProperty(**TARGET)
-    markers: StringProperty(**MARKERS)
-    filepath: StringProperty(**MARKER_FILE)
-    overlap: overlap_property()
-    marker_tolerance: marker_tolerance_property()
-    match_distance: match_distance_property()
-    closest: closest_property()
-    source_mask: mask_property("Source")
-    target_mask: mask_property("Target")
+    __annotations__ = {
+        "source": StringProperty(**SOURCE),
+        "target": StringProperty(**TARGET),
+        "markers": StringProperty(**MARKERS),
+        "filepath": StringProperty(**MARKER_FILE),
+        **fit_properties(),
+    }
 
 
 class TransferProperties(FitProperties):
     """Mixin: what a transfer is made of."""
 
-    unmatched: unmatched_property()
-    scale: scale_property()
-    contact: contact_property()
-    stretch: stretch_property()
+    __annotations__ = transfer_properties()
 
 
 def ready(operator_class, context, keys=False, writes=False):

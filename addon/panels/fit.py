@@ -3,9 +3,10 @@
 from .. import session
 from ..bridge import colours
 from ..core.colours import LEGEND, LIMIT
+from ..core.transfer_options import MASKS, OPTIONS
 from .common import BUTTON, draw_lines, side_by_side
 
-FIT_OPTIONS = ("overlap", "marker_tolerance", "match_distance", "closest", "source_mask", "target_mask")
+FIT_OPTIONS = (*OPTIONS["fit"], *MASKS)
 
 
 def fit_of(settings):

@@ -4,6 +4,8 @@ import bpy
 
 from .. import session
 from ..bridge import shape_keys, source_face
+from ..core.transfer_options import MASKS
+from ..core.transfer_options import OPTIONS as TRANSFER_OPTIONS
 from ..jobs.corrections import is_edited
 from ..layouts import split_column
 from ..translations import translated
@@ -36,10 +38,9 @@ class LISSOM_UL_keys(TickList, bpy.types.UIList):
             row.label(text="", icon="SCULPTMODE_HLT")
 
 
-SHAPE_OPTIONS = ("contact", "stretch")
-KEY_OPTIONS = ("unmatched", "scale", "exists", "edited", "drivers", *SHAPE_OPTIONS, "drop_empty", "check")
-POSE_OPTIONS = ("unmatched", "scale", "exists", "edited", *SHAPE_OPTIONS)
-ANIMATION_OPTIONS = ("unmatched", "scale", *SHAPE_OPTIONS)
+ANIMATION_OPTIONS = tuple(TRANSFER_OPTIONS["transfer"])
+POSE_OPTIONS = (*ANIMATION_OPTIONS, "exists", "edited")
+KEY_OPTIONS = (*POSE_OPTIONS, "drivers", "drop_empty", "check")
 ATTRIBUTE_OPTIONS = ("vertex_groups", "uv_maps", "colours", "exists")
 
 
@@ -164,17 +165,20 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         layout.label(text="Or from a face of your own:")
 
     def _draw_fit_options(self, column, settings):
-        if len(settings.markers) and not settings.overlap:
-            column.prop(settings, "marker_tolerance")
-        column.prop(settings, "match_distance")
-        if not settings.overlap:
-            column.prop(settings, "closest")
-        for side in ("source", "target"):
+        hidden = {"overlap"}  # it stands above
+        if settings.overlap:
+            hidden |= {"marker_tolerance", "closest"}
+        if not len(settings.markers):
+            hidden.add("marker_tolerance")
+        for name in TRANSFER_OPTIONS["fit"]:
+            if name not in hidden:
+                column.prop(settings, name)
+        for name, side in zip(MASKS, ("source", "target"), strict=True):
             objects = [getattr(settings, side), *(part.object for part in getattr(settings, f"{side}_parts"))]
             objects = list(filter(None, objects))
-            mask = getattr(settings, f"{side}_mask")
+            mask = getattr(settings, name)
             for obj in [obj for obj in objects if mask in obj.vertex_groups][:1] or objects[:1]:
-                column.prop_search(settings, f"{side}_mask", obj, "vertex_groups")
+                column.prop_search(settings, name, obj, "vertex_groups")
 
     def _draw_keys(self, layout, settings):
         source = settings.source

@@ -14,6 +14,8 @@ def option_property(option, **also):
     if isinstance(option.default, bool):
         return BoolProperty(**settings)
     settings |= {"min": option.low, "max": option.high, "soft_max": option.soft_high or option.high}
+    if option.precision is not None:
+        settings["precision"] = option.precision
     return (IntProperty if isinstance(option.default, int) else FloatProperty)(**settings)
 
 

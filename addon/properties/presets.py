@@ -1,14 +1,15 @@
 """What presets of the options of the three jobs hold."""
 
 from ..core.pose_options import OPTIONS as POSE_OPTIONS
+from ..core.transfer_options import OPTIONS as TRANSFER_OPTIONS
 from .inbetween import OPTIONS as PATH_OPTIONS
 from .inbetween import ArcSettings
 
 # What a preset holds is what does not name parts of one mesh, as masks and keys do.
 POSE = ("method", "symmetry", "stands", "use_weights", "weld", "stays")
 TRANSFER = (
-    *("overlap", "marker_tolerance", "match_distance", "closest"),
-    *("unmatched", "scale", "exists", "edited", "drivers", "contact", "stretch", "drop_empty", "check"),
+    *(name for own in TRANSFER_OPTIONS.values() for name in own),
+    *("exists", "edited", "drivers", "drop_empty", "check"),
 )
 INBETWEEN = (*PATH_OPTIONS, *ArcSettings.__annotations__)
 

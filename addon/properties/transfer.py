@@ -20,23 +20,16 @@ from .pose import BAKE_ITEMS, BAKE_OUTPUT, BAKE_PATH, BAKE_STEP
 from .ticks import LissomTick
 from .transfer_options import (
     check_property,
-    closest_property,
     colours_property,
-    contact_property,
     drivers_property,
     drop_empty_property,
     edited_property,
     exists_property,
     face_names_property,
+    fit_properties,
     groups_property,
     learn_strength_property,
-    marker_tolerance_property,
-    mask_property,
-    match_distance_property,
-    overlap_property,
-    scale_property,
-    stretch_property,
-    unmatched_property,
+    transfer_properties,
     uv_maps_property,
 )
 
@@ -67,7 +60,18 @@ class LissomPart(bpy.types.PropertyGroup):
     found: StringProperty(name="Found", description="What Face Keys has taken its pieces for")
 
 
-class LissomKeyQuality(bpy.types.PropertyGroup):
+class _Measures:
+    """Mixin: the numbers of a key."""
+
+    __annotations__ = {
+        name: (IntProperty if isinstance(one.fine, int) else FloatProperty)(
+            name=one.label, description=one.line, default=one.fine
+        )
+        for name, one in MEASURES.items()
+    }
+
+
+class LissomKeyQuality(_Measures, bpy.types.PropertyGroup):
     """What the last transfer said about one shape key; see lissom.Transfer.quality."""
 
     name: StringProperty(name="Shape Key")
@@ -83,12 +87,6 @@ class LissomKeyQuality(bpy.types.PropertyGroup):
     )
     reasons: StringProperty(name="Reasons", description="Why it is not good, one a line, the worst first")
     faces: StringProperty(name="Faces", description="Faces to look at, by object, as JSON")
-    __annotations__ |= {
-        name: (IntProperty if isinstance(one.fine, int) else FloatProperty)(
-            name=one.label, description=one.line, default=one.fine
-        )
-        for name, one in MEASURES.items()
-    }
 
 
 class LissomWritten(bpy.types.PropertyGroup):
@@ -125,7 +123,13 @@ def _row_chosen(settings, _):
     changes.quality_row.tell(settings.id_data)
 
 
-class LissomTransfer(bpy.types.PropertyGroup):
+class _TransferOptions:
+    """Mixin: the options of fit and transfer."""
+
+    __annotations__ = fit_properties() | transfer_properties()
+
+
+class LissomTransfer(_TransferOptions, bpy.types.PropertyGroup):
     """Settings of the scene's transfer."""
 
     source: PointerProperty(
@@ -194,19 +198,9 @@ class LissomTransfer(bpy.types.PropertyGroup):
         ],
     )
     chosen: CollectionProperty(type=LissomTick)
-    overlap: overlap_property()
-    marker_tolerance: marker_tolerance_property()
-    match_distance: match_distance_property()
-    closest: closest_property()
-    source_mask: mask_property("Source")
-    target_mask: mask_property("Target")
-    unmatched: unmatched_property()
-    scale: scale_property()
     exists: exists_property("UPDATE")
     edited: edited_property()
     drivers: drivers_property()
-    contact: contact_property()
-    stretch: stretch_property()
     drop_empty: drop_empty_property()
     vertex_groups: groups_property()
     uv_maps: uv_maps_property()

@@ -5,6 +5,7 @@ from lissom import names
 
 from ..core.names import EDITED_ITEMS, EXISTS_ITEMS
 from ..core.options import option
+from ..core.transfer_options import MASKS, OPTIONS
 from .options import option_property
 
 
@@ -32,28 +33,6 @@ def learn_strength_property():
     return option_property(option("learn", "strength", label="Strength", high=2.0, soft_high=1.0))
 
 
-def match_distance_property():
-    """The option of the same name of lissom.start_fit."""
-    label = {"label": "Match Distance", "low": 1e-6, "high": 1.0, "soft_high": 0.1}
-    return option_property(option("fit", "match_distance", **label), precision=3)
-
-
-def marker_tolerance_property():
-    """The option of the same name of lissom.start_fit."""
-    label = {"label": "Marker Tolerance", "high": 1.0, "soft_high": 0.1}
-    return option_property(option("fit", "marker_tolerance", **label), precision=3)
-
-
-def closest_property():
-    """The option of the same name of lissom.start_fit."""
-    return option_property(option("fit", "closest", "Tightness", high=1e6), precision=0)
-
-
-def overlap_property():
-    """The option of the same name of lissom.start_fit."""
-    return option_property(option("fit", "overlap", "They Overlap"))
-
-
 def mask_property(side):
     """A vertex group of the source or the target, for the option of lissom.start_fit of that name."""
     return StringProperty(
@@ -63,16 +42,15 @@ def mask_property(side):
     )
 
 
-def unmatched_property():
-    """The option of the same name of lissom.Transfer (row 30)."""
-    labels = {"follow": "Follow", "rest": "Stay"}
-    return option_property(option("transfer", "unmatched", "Loose Parts", labels))
+def fit_properties():
+    """{name: property} of what a fit is asked for but its meshes and markers."""
+    own = {name: option_property(one) for name, one in OPTIONS["fit"].items()}
+    return own | {mask: mask_property(mask.partition("_")[0].capitalize()) for mask in MASKS}
 
 
-def scale_property():
-    """The option of the same name of lissom.Transfer."""
-    labels = {"target": "Target's Size", "source": "As Far"}
-    return option_property(option("transfer", "scale", "Scale", labels))
+def transfer_properties():
+    """{name: property} of the options of lissom.Transfer."""
+    return {name: option_property(one) for name, one in OPTIONS["transfer"].items()}
 
 
 def drivers_property():
@@ -86,16 +64,6 @@ def drivers_property():
             ("NONE", "None", "They stay behind: the new keys keep their values", 2),
         ],
     )
-
-
-def contact_property():
-    """The option of the same name of lissom.Transfer."""
-    return option_property(option("transfer", "contact", "Contact"))
-
-
-def stretch_property():
-    """The option of the same name of lissom.Transfer."""
-    return option_property(option("transfer", "stretch", "Longest Edge", high=1e6, soft_high=10.0))
 
 
 def face_names_property():
