@@ -14,8 +14,6 @@ PYTHON ?= python3.11
 # Blender 5.2 as a module needs Python 3.13; its tests are left out, and say so, where there is none.
 PYTHON313 ?= $(firstword $(shell for p in python3.13 $$HOME/.pyenv/versions/3.13*/bin/python3.13; do \
 	"$$p" -c '' 2>/dev/null && echo "$$p"; done))
-LISSOM_DATA ?= $(abspath ../shared/data)
-export LISSOM_DATA
 
 RUST := $(shell find rust -name '*.rs' -o -name 'Cargo.toml') Cargo.toml Cargo.lock pyproject.toml
 PYTHON_SOURCE := $(shell find python -name '*.py' -o -name '*.pyi' -o -name py.typed)

@@ -14,7 +14,6 @@ leaves the place of every shape open: each is laid onto the consistent one.
 import argparse
 import itertools
 import json
-import os
 import sys
 import time
 from pathlib import Path
@@ -26,6 +25,7 @@ import lissom  # noqa: E402
 import makehuman  # noqa: E402
 import numpy as np  # noqa: E402
 from figures import closed_volume, dihedral_angles, edges  # noqa: E402
+from measured import FOLDER, load  # noqa: E402
 from shapes import grid_faces, prism, rigid, rotation  # noqa: E402
 
 try:
@@ -34,7 +34,6 @@ try:
 except ImportError:
     sys.exit("bench/elastic.py needs scipy: pip install scipy")
 
-DATA = Path(os.environ.get("LISSOM_DATA", "../shared/data")).resolve()
 WAYS = {
     f"{name}{f', {rounds} rounds' if rounds else ''}": {"rotation": name, "refinement": rounds}
     for name in ("consistent", "relative", "shortest")
@@ -228,7 +227,7 @@ def reduced(start, end, faces, count=2000):
 
 def bar():
     """The survey's bar, bent by 135 degrees as a solid."""
-    archive = np.load(DATA / "survey.npz")
+    archive = load("survey")
     start, faces = archive["bar_vertices"].astype(float), archive["bar_faces"].astype(np.int64)
     handles = [np.flatnonzero(archive["bar_status"] == k) for k in (0, 2)]
     pose = lissom.Pose(lissom.Mesh(start, faces), handles, solid=True)
@@ -273,7 +272,7 @@ def dimple(around=24, rings=10, height=0.7):
 
 def cat():
     """The fifth of Sumner and Popovic's poses."""
-    archive = np.load(DATA / "cat_lion.npz")
+    archive = load("cat_lion")
     start, end = archive["cat_reference"].astype(float), archive["cat_poses"][4].astype(float)
     return reduced(start, end, archive["cat_faces"].astype(np.int64))
 
@@ -393,7 +392,7 @@ def main():
     cases = arguments.cases or ["check", *CASES]
     if "check" in cases:
         check()
-    needs = {"bar": DATA / "survey.npz", "cat": DATA / "cat_lion.npz", "hand": makehuman.folder()}
+    needs = {"bar": FOLDER / "survey.npz", "cat": FOLDER / "cat_lion.npz", "hand": makehuman.folder()}
     head = ["case, vertices", "way", "energy", "lengths off", "at most", "angles off, °"]
     head += ["volume off", "largest step", "from consistent", "seconds"]
     print(f"| {' | '.join(head)} |\n|---|---|{'---:|' * (len(head) - 2)}")

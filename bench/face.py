@@ -10,7 +10,6 @@ keys; gaps are how much further lids and lips are apart than in the answer, in p
 
 import argparse
 import importlib.util
-import os
 import sys
 import time
 from pathlib import Path
@@ -24,6 +23,7 @@ import lissom  # noqa: E402
 import numpy as np  # noqa: E402
 from faces import diagonal, root_mean_square, slid, triangulate  # noqa: E402
 from lissom import data  # noqa: E402
+from measured import FOLDER, load  # noqa: E402
 
 # The extension's core by itself, as the tests load it.
 _CORE = ROOT / "addon" / "core"
@@ -224,10 +224,9 @@ def solids():
     yield "bust without features", np.column_stack([round_ * width[:, None], 1.8 * ball[:, 2]]), faces
     finger = np.exp(-(((np.degrees(np.arctan2(ball[:, 2], ball[:, 0])) % 60 - 30) / 12) ** 2))
     yield "hand", ball * [0.9, 0.3, 1.0] * (1 + 0.8 * finger * (ball[:, 2] > -0.2))[:, None], faces
-    folder = Path(os.environ.get("LISSOM_DATA", ROOT.parent / "shared" / "data"))
     for file, name in (("cat_lion", "cat"), ("models", "spot")):
-        if (folder / f"{file}.npz").is_file():
-            archive = np.load(folder / f"{file}.npz")
+        if (FOLDER / f"{file}.npz").is_file():
+            archive = load(file)
             vertices = archive["cat_reference" if name == "cat" else "spot_vertices"].astype(float)
             yield name, vertices, archive[f"{name}_faces"]
 

@@ -10,7 +10,6 @@ needs the package anny.
 
 import argparse
 import json
-import os
 import resource
 import sys
 import time
@@ -23,9 +22,8 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "tests" / "native")]
 
 import makehuman  # noqa: E402
+from measured import load  # noqa: E402
 from test_fit_forgives import SKIN, Head, carried, clicked, shuffled  # noqa: E402
-
-DATA = Path(os.environ.get("LISSOM_DATA", ROOT.parent / "shared" / "data"))
 
 AMOUNTS = (0.0, 0.0025, 0.005, 0.01, 0.02)
 
@@ -47,13 +45,6 @@ MAKEHUMAN = {
     "`marker_tolerance=0`": ({"marker_tolerance": 0.0}, {}),
     "`rounds=12`": ({"rounds": 12}, {}),
 }
-
-
-def load(name):
-    path = DATA / f"{name}.npz"
-    if not path.is_file():
-        sys.exit(f"no {path.name} in {DATA}: set LISSOM_DATA to the folder that has it")
-    return dict(np.load(path))
 
 
 def clicks(seeds):

@@ -10,7 +10,7 @@ import argparse
 
 import lissom
 import numpy as np
-from pose import DATA, median_time, model
+from pose import load, median_time, model
 
 TIMES = np.linspace(0, 1, 12)[1:-1]
 OPTIONS = {
@@ -57,7 +57,7 @@ def edge_error(faces, start, end, x):
 
 
 def cat():
-    archive = np.load(DATA / "cat_lion.npz")
+    archive = load("cat_lion")
     start, faces = archive["cat_reference"].astype(float), archive["cat_faces"]
     mesh, times = lissom.Mesh(start, faces), [1 / 6, 1 / 2, 5 / 6]
     print("error of edge lengths at t = 1/6, 1/2, 5/6")

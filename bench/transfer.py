@@ -24,9 +24,9 @@ import lissom  # noqa: E402
 import numpy as np  # noqa: E402
 from faces import diagonal, root_mean_square, slid, triangulate  # noqa: E402
 from mathutils.bvhtree import BVHTree  # noqa: E402
+from measured import load  # noqa: E402
 from pose import decimated_to, subdivided  # noqa: E402
 
-DATA = Path(os.environ.get("LISSOM_DATA", ROOT.parent / "shared" / "data"))
 FACE = 9409  # vertices of the face come first
 
 
@@ -133,7 +133,7 @@ def accuracy(archive):
 
 
 def cat_to_lion():
-    archive = np.load(DATA / "cat_lion.npz")
+    archive = load("cat_lion")
     times = []
     for _ in range(5):
         begin = time.perf_counter()
@@ -197,10 +197,7 @@ def large(archive):
 
 
 def main():
-    if not (DATA / "ict_face.npz").is_file():
-        sys.exit(f"no ict_face.npz in {DATA}: set LISSOM_DATA to the folder that has it")
-    archive = np.load(DATA / "ict_face.npz")
-    archive = {name: archive[name] for name in archive}
+    archive = dict(load("ict_face"))
     result = {
         "cat to lion": cat_to_lion(),
         "one more key": one_more_key(archive),

@@ -9,7 +9,6 @@ are read from survey.npz in the folder LISSOM_DATA, and left out where that is n
 """
 
 import argparse
-import os
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,10 +23,9 @@ import numpy as np  # noqa: E402
 import pose as bust  # noqa: E402
 import scene  # noqa: E402
 from figures import closed_volume, dihedral_change, edge_error, smallest_dihedral  # noqa: E402
+from measured import Missing, load  # noqa: E402
 from shapes import bend, ends, prism, rigid  # noqa: E402
 from studio import SAMPLES, Studio, Tile, publish  # noqa: E402
-
-DATA = Path(os.environ.get("LISSOM_DATA", ROOT.parent / "shared" / "data"))
 
 OPTIONS = {"poisson": {"border": 1}}
 VARIANTS = {
@@ -120,7 +118,7 @@ def thesis_tasks():
 
 def survey_tasks():
     """The survey's four poses."""
-    archive = np.load(DATA / "survey.npz")
+    archive = load("survey")
     side = np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])
     views = {
         "plane": rotated_view(rigid((1, 0, 0), 0.35) @ rigid((0, 0, 1), 0.35), np.eye(3)),
@@ -226,8 +224,10 @@ def main(arguments):
     made = scene.material("Made by Lissom", (0.07, 0.27, 0.31), 0.5)
     studio = Studio(arguments.samples)
     sheets = {"gallery": (thesis_tasks, 0.62), "survey": (survey_tasks, 0.7)}
-    if not (DATA / "survey.npz").is_file():
-        print(f"LEFT OUT: the survey's poses, no survey.npz in {DATA}; set LISSOM_DATA")
+    try:
+        load("survey")
+    except Missing as missing:
+        print(f"LEFT OUT: the survey's poses, {missing}")
         del sheets["survey"]
     text = []
     for name, (make, aspect) in sheets.items():

@@ -1,20 +1,15 @@
 """The folder of measured data that does not ship with the project."""
 
-import os
-from pathlib import Path
-
-import numpy as np
+import measured
 import pytest
-
-DATA = Path(os.environ.get("LISSOM_DATA", Path(__file__).parents[1] / "../shared/data")).resolve()
 
 
 def load(name: str):
     """An archive of the measuring data; the test is left out, and says so, where it is not there."""
-    file = DATA / f"{name}.npz"
-    if not file.is_file():
-        pytest.skip(f"left out: no {file.name} in {DATA}; set LISSOM_DATA to the folder that has it")
-    return np.load(file)
+    try:
+        return measured.load(name)
+    except measured.Missing as missing:
+        pytest.skip(f"left out: {missing}")
 
 
 @pytest.fixture

@@ -6,7 +6,6 @@ It reads ict_face.npz and ict_identities.npz of that folder. Needed only to chan
 file is kept in the repository. `lissom.data` says what is in it, and unpacks it.
 """
 
-import os
 import sys
 from itertools import pairwise
 from pathlib import Path
@@ -16,6 +15,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "native"))
 from faces import loop_through, neighbours, rings_from_border, triangulate  # noqa: E402
+from measured import load  # noqa: E402
 
 # Name, vertices, polygons: ranges of FaceKit's own mesh, from the tables of its README. Left out are the
 # irises, the lacrimal fluid, the shells that blend and shade the eyes, and the lashes: its shaders need them.
@@ -107,8 +107,7 @@ def flat(name, lists):
 
 
 def main():
-    folder = Path(os.environ.get("LISSOM_DATA", ROOT.parent / "shared" / "data"))
-    face, identities = (np.load(folder / name) for name in ("ict_face.npz", "ict_identities.npz"))
+    face, identities = load("ict_face"), load("ict_identities")
 
     vertices = np.concatenate([np.arange(*span) for _, span, _ in PARTS])
     polygons = np.concatenate([np.arange(*span) for _, _, span in PARTS])
