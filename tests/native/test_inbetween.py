@@ -168,7 +168,7 @@ def test_every_option_keeps_the_ends_and_the_way_back(options):
     assert np.abs(there[-2] - end).max() < 1e-6
 
 
-# The error of the edge lengths half way, refined; published tetrahedral code leaves 0.042 and 0.117.
+# The error of the edge lengths half way, refined.
 @pytest.mark.parametrize(("pose", "bound"), [(5, 0.0135), (7, 0.027)])
 @pytest.mark.parametrize("rotation", ["consistent", "relative"])
 def test_cat_refined(data, pose, bound, rotation):

@@ -32,7 +32,7 @@ def test_cat_to_lion(data):
     size = diagonal(archive["lion_reference"])
     mean = np.mean([root_mean_square(error) for error in errors]) / size
     print(f"cat to lion: {mean:.5f} of the diagonal")
-    # Measured: 0.00882. The best public C code reaches 0.0096.
+    # Measured: 0.00882.
     assert mean <= 0.0090
 
 
@@ -167,7 +167,7 @@ def test_rows_11_and_13_to_15_transfer_says_what_is_doubtful(how, told, side):
     assert np.isfinite(result).all()
     quality = transfer.quality([key], result)
     numbers = [values for values in quality.values() if isinstance(values, np.ndarray)]
-    assert len(numbers) == 9 and all(np.isfinite(values).all() for values in numbers)
+    assert len(numbers) == len(quality) - 3 and all(np.isfinite(values).all() for values in numbers)
     if how != "soup":  # whose triangles all go their own way
         known = ends[1][0] + 0.1 * np.sin(2 * ends[1][0])
         off = np.linalg.norm(result[0] - known, axis=1)[: len(vertices)]
