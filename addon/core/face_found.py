@@ -14,6 +14,7 @@ import numpy as np
 from . import face_parts, face_rims, topology
 from .face_parts import Frame
 from .landmarks import FACE, mirrored
+from .refused import Refused
 from .transfer import fit_steps
 
 CURVES = ("lid_left", "lid_right", "lips")
@@ -78,6 +79,8 @@ def locate_steps(face, head, marks=None):
     ``marks``, Marks, are followed.
     """
     mesh, vertices, triangles, parts, balls = head
+    if _looks_inward(vertices, triangles):
+        raise Refused("The faces of the head look inward: use Recalculate Outside first (Mesh > Normals)")
     source = lissom.Mesh(face.neutral, face.triangles)
     located = None
     if marks is None:
@@ -117,6 +120,13 @@ def locate_steps(face, head, marks=None):
     )
     located = _judged(face, fit, vertices, rims, by)
     return located if located.certainty >= LEAST else _unsure(face, located)
+
+
+def _looks_inward(vertices, triangles):
+    """Whether a surface that is open here or there encloses what lies on the side its faces look to."""
+    a, b, c = (vertices[triangles[:, corner]] for corner in range(3))
+    normals = np.cross(b - a, c - a)
+    return bool(np.einsum("ij,ij->", a - vertices.mean(axis=0), normals) < 0)
 
 
 def _openings(vertices, triangles, parts):

@@ -3,6 +3,7 @@
 import json
 
 import bpy
+import heads
 import numpy as np
 import pytest
 import scene
@@ -132,6 +133,15 @@ def test_what_is_no_face_is_refused_and_nothing_written():
     with pytest.raises(RuntimeError, match=r"face|common"):
         bpy.ops.lissom.face_keys(target=torus.name)
     assert torus.data.shape_keys is None
+
+
+def test_a_head_whose_faces_look_inward_is_told_so():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    made = heads.made("round")
+    head = scene.mesh_object("Head", made.vertices, made.triangles[:, ::-1])
+    with scene.refused("faces of the head look inward"):
+        bpy.ops.lissom.face_keys(target=head.name)
+    assert head.data.shape_keys is None
 
 
 def test_the_face_is_added_as_high_as_what_is_selected():
