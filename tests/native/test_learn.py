@@ -180,8 +180,9 @@ def test_what_cannot_be_learned_from_is_refused():
     mesh, made = lissom.Mesh(vertices, triangles), vertices + keys
     with pytest.raises(lissom.InvalidConstraint, match="corrected: no key is corrected"):
         lissom.learn(mesh, made, {})
-    with pytest.raises(lissom.InvalidConstraint, match="corrected: key out of range, there are 12"):
-        lissom.learn(mesh, made, {12: vertices})
+    outside = r"corrected: key out of range, there are 12 \(at 13; 1 in all\)"
+    with pytest.raises(lissom.InvalidConstraint, match=outside):
+        lissom.learn(mesh, made, {0: vertices, 13: vertices})
     with pytest.raises(lissom.InvalidValue, match=r"corrected\[0\]: not finite"):
         lissom.learn(mesh, made, {0: vertices * np.nan})
     with pytest.raises(lissom.InvalidValue, match="strength"):

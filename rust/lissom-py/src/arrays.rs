@@ -53,9 +53,11 @@ fn native<'py>(
     Ok((shape, array.cast_into::<PyUntypedArray>()?))
 }
 
-/// `(-1, 3)` as `(n, 3)`.
+/// `(-1, 3)` as `(n, 3)`, `(-1, -1)` as `(n, m)`: lengths that are free are free of each other.
 fn shown(shape: &[i64]) -> String {
-    let axes: Vec<String> = shape.iter().map(|&d| if d < 0 { "n".into() } else { d.to_string() }).collect();
+    let mut free = ["n", "m"].into_iter();
+    let mut axis = |d: i64| if d < 0 { free.next().unwrap_or("any").into() } else { d.to_string() };
+    let axes: Vec<String> = shape.iter().map(|&d| axis(d)).collect();
     if axes.len() == 1 { format!("({},)", axes[0]) } else { format!("({})", axes.join(", ")) }
 }
 

@@ -275,7 +275,7 @@ fn places(corrected: &[Corrected], count: usize) -> Result<Vec<Option<usize>>> {
     if corrected.is_empty() {
         return refused(Fault::new("corrected", "no key is corrected: nothing to learn from"));
     }
-    let outside = (0..corrected.len()).filter(|&i| corrected[i].key as usize >= count);
+    let outside = corrected.iter().map(|key| key.key as usize).filter(|&key| key >= count);
     if let Some(fault) = Fault::at("corrected", format!("key out of range, there are {count}"), outside) {
         return refused(fault);
     }
@@ -283,7 +283,7 @@ fn places(corrected: &[Corrected], count: usize) -> Result<Vec<Option<usize>>> {
     let mut twice = Vec::new();
     for (i, key) in corrected.iter().enumerate() {
         if places[key.key as usize].replace(i).is_some() {
-            twice.push(i);
+            twice.push(key.key as usize);
         }
     }
     match Fault::at("corrected", "key corrected twice", twice) {
