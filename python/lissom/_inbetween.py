@@ -132,8 +132,6 @@ class Inbetween:
             warnings.warn(warning, RuntimeWarning, stacklevel=2)
         return found
 
-    start = start_at
-
 
 def start_inbetween(
     mesh: Mesh,
@@ -189,8 +187,6 @@ class Blend:
         Raises InvalidValue for weights that are not finite or of another number, Cancelled.
         """
         return self.start_at(weights).result()
-
-    start = start_at
 
 
 def start_blend(

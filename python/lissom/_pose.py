@@ -161,8 +161,6 @@ class Pose:
         """
         return self.start_solve_points(targets, **options).result()
 
-    start = start_solve
-
 
 def start_pose(
     mesh: Mesh,

@@ -103,7 +103,7 @@ class Fit:
     """What the warnings say of these three, in this order."""
     report: FitReport
     """How well it went."""
-    _core: _native.Fit = field(repr=False)
+    _core: _native.Fit = field(init=False, repr=False)
 
     def next_marker(
         self, markers: ArrayLike, *, source_mask: ArrayLike = (), target_mask: ArrayLike = ()
@@ -305,8 +305,6 @@ class Transfer:
         """
         return self.start_corner_attributes(values, faces).result()
 
-    start = start_apply
-
 
 def start_transfer(
     source: Mesh, target: Mesh, fit: Fit | ArrayLike, **options: Unpack[TransferOptions]
@@ -327,7 +325,9 @@ def _transfer(native: _native.Transfer) -> Transfer:
 
 def _fit(result: tuple[Any, ...]) -> Fit:
     native, arrays, report = result
-    return Fit(**arrays, report=FitReport(**report), _core=native)
+    fit = Fit(**arrays, report=FitReport(**report))
+    object.__setattr__(fit, "_core", native)  # no argument: nobody else has one
+    return fit
 
 
 def _transferred(result: tuple[Any, ...]) -> Transferred:

@@ -52,7 +52,7 @@ def path():
 # Every call that may take long: what it returns, and the job of it.
 CALLS = {
     "Pose": (bound, lambda: lissom.start_pose(MESH, **BINDING)),
-    "Pose.solve": (lambda: bound().solve(GOAL, **SOLVING), lambda: bound().start(GOAL, **SOLVING)),
+    "Pose.solve": (lambda: bound().solve(GOAL, **SOLVING), lambda: bound().start_solve(GOAL, **SOLVING)),
     "Mesh.linings": (MESH.linings, MESH.start_linings),
     "Mesh.limit_stretch": (
         lambda: MESH.limit_stretch(3 * KEYS, 1.5, [0, 5]),
@@ -66,7 +66,7 @@ CALLS = {
         lambda: lissom.Transfer(MESH, MESH, SAME[:-9], unmatched="rest"),
         lambda: lissom.start_transfer(MESH, MESH, SAME[:-9], unmatched="rest"),
     ),
-    "Transfer.apply": (lambda: prepared().apply(KEYS), lambda: prepared().start(KEYS)),
+    "Transfer.apply": (lambda: prepared().apply(KEYS), lambda: prepared().start_apply(KEYS)),
     "Transfer.quality": (
         lambda: prepared().quality(KEYS, KEYS[::-1]),
         lambda: prepared().start_quality(KEYS, KEYS[::-1]),
@@ -83,7 +83,7 @@ CALLS = {
         lambda: lissom.Inbetween(MESH, VERTICES, TURNED, "shortest", stretch="logarithmic"),
         lambda: lissom.start_inbetween(MESH, VERTICES, TURNED, "shortest", stretch="logarithmic"),
     ),
-    "Inbetween.at": (lambda: path().at([0.3, 0.8]), lambda: path().start([0.3, 0.8])),
+    "Inbetween.at": (lambda: path().at([0.3, 0.8]), lambda: path().start_at([0.3, 0.8])),
     "Inbetween.keyframes, tolerance": (
         lambda: path().keyframes(0.01),
         lambda: path().start_keyframes(0.01),
@@ -137,7 +137,7 @@ def pose():
 
 
 def test_progress_grows(pose):
-    job = pose.start(GOAL, max_iterations=60, tolerance=0.0)
+    job = pose.start_solve(GOAL, max_iterations=60, tolerance=0.0)
     seen = []
     while not job.done:
         seen.append(job.progress)
@@ -152,7 +152,7 @@ def test_row_40_cancel_within_a_fifth_of_a_second(pose):
     before = pose.solve(GOAL, max_iterations=5, warm_start=False)
     taken = []
     for _ in range(3):
-        job = pose.start(GOAL, **ENDLESS)
+        job = pose.start_solve(GOAL, **ENDLESS)
         time.sleep(0.1)
         begin = time.perf_counter()
         job.cancel()
@@ -209,7 +209,7 @@ def test_the_interpreter_is_released(pose):
 
 
 def test_two_threads_may_wait_for_one_job(pose):
-    job = pose.start(GOAL, max_iterations=40, tolerance=0.0)
+    job = pose.start_solve(GOAL, max_iterations=40, tolerance=0.0)
     found = []
     threads = [threading.Thread(target=lambda: found.append(job.result())) for _ in range(2)]
     for thread in threads:
@@ -278,7 +278,7 @@ sys.exit(ended != 0)
 
 def test_a_dropped_job_stops(pose):
     """The pose is free again at once, which it would not be while a solve went on."""
-    job = pose.start(GOAL, **ENDLESS)
+    job = pose.start_solve(GOAL, **ENDLESS)
     time.sleep(0.1)
     del job
     begin = time.perf_counter()

@@ -357,7 +357,7 @@ def test_row_03_nothing_is_lost_after_an_error(method):
 
 def test_row_40_cancelled(method):
     pose = lissom.Pose(lissom.Mesh(VERTICES, FACES), [LOW, HIGH], method=method)
-    job = pose.start([np.eye(4), MOTION], max_iterations=10**9, tolerance=0.0)
+    job = pose.start_solve([np.eye(4), MOTION], max_iterations=10**9, tolerance=0.0)
     job.cancel()
     with pytest.raises(lissom.Cancelled):
         job.result()
