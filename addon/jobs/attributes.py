@@ -96,7 +96,8 @@ class TransferAttributes:
                     written.append(plan[layer])
         done = list(dict.fromkeys(written))
         return AttributesDone(
-            summary=f"{len(done)} attributes on {where(targets)}: {first(done)}",
+            summary=f"{len(done)} attribute{'' if len(done) == 1 else 's'} on "
+            f"{where(targets)}: {first(done)}",
             warnings=request.told_of_transfer(result.fit, result.warnings, "attributes"),
             fit=fit,
             written=done,

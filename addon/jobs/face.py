@@ -107,7 +107,8 @@ class FaceKeys:
         markers.check(pairs, len(settings.source.data.vertices), len(head.data.vertices))
         if len(pairs) < source_face.LEAST_MARKS:
             raise Refused(
-                f"{len(pairs)} of the landmarks are set: set or confirm {source_face.LEAST_MARKS} at least, "
+                f"{len(pairs)} of the landmarks {'is' if len(pairs) == 1 else 'are'} set: "
+                f"set or confirm {source_face.LEAST_MARKS} at least, "
                 "as the middles of both eyes and of the mouth"
             )
         return Marks(

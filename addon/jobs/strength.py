@@ -54,4 +54,4 @@ def strengthen(context, asked):
         written.strengthen(name, asked.strength)
     written.tidy()
     told = first(repr(name) for name in names)
-    return StrengthDone(summary=f"{asked.strength:.0%} as strong: {told}", warnings=[], written=names)
+    return StrengthDone(summary=f"{100 * asked.strength:.0f} % as strong: {told}", warnings=[], written=names)

@@ -107,7 +107,7 @@ class TransferPose:
         if not self._shapes.shapes.size:
             warnings.append("The source is at rest: the shape key moves nothing")
         return PoseDone(
-            summary=f"Shape key {first(dict.fromkeys(written.values()))} on {where(targets)}",
+            summary=f"Shape key {first(map(repr, dict.fromkeys(written.values())))} on {where(targets)}",
             warnings=warnings,
             fit=fit,
             written=written,

@@ -22,9 +22,9 @@ class LISSOM_UL_learned(bpy.types.UIList):
         row.label(text=item.name, translate=False, icon="SCULPTMODE_HLT" if item.corrected else "NONE")
         said = row.row()
         said.alignment = "RIGHT"
-        told = f"{item.change:.1%}"
+        told = f"{100 * item.change:.1f} %"
         if item.corrected:
-            told = f"{max(0, item.foretold):.0%} foretold"
+            told = f"{max(0, 100 * item.foretold):.0f} % foretold"
         said.label(text=translated(told), translate=False)
 
 
