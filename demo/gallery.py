@@ -27,6 +27,7 @@ from measured import Missing, load  # noqa: E402
 from shapes import bend, ends, prism, rigid  # noqa: E402
 from studio import SAMPLES, Studio, Tile, publish  # noqa: E402
 
+SHEET = 0.005  # of the diagonal's cube: what encloses less is a sheet
 OPTIONS = {"poisson": {"border": 1}}
 VARIANTS = {
     "laplacian_fitted, scale=False": ("laplacian_fitted", {"scale": False}),
@@ -88,10 +89,16 @@ class Task:
         """Error of edges, volume ratio, change of dihedral angles and the smallest of them in degrees."""
         return (
             edge_error(self.vertices, posed, self.faces),
-            closed_volume(posed, self.faces) / closed_volume(self.vertices, self.faces),
+            self.enclosed(posed) / self.enclosed(self.vertices),
             dihedral_change(self.vertices, posed, self.faces),
             smallest_dihedral(posed, self.faces),
         )
+
+    def enclosed(self, points):
+        """The volume; none where nothing is enclosed at rest, as by a sheet with waves."""
+        rest = closed_volume(self.vertices, self.faces)
+        none = abs(rest) < SHEET * np.linalg.norm(np.ptp(self.vertices, axis=0)) ** 3
+        return np.nan if none else closed_volume(points, self.faces)
 
     def seen(self, points):
         return points @ self.view.T
@@ -137,6 +144,10 @@ def survey_tasks():
             archive[f"{name}_transform"].astype(float),
             view,
         )
+
+
+def decimals(volume):
+    return "–" if np.isnan(volume) else f"{volume:.2f}"
 
 
 def rotated_view(motion, view):
@@ -199,7 +210,7 @@ def tiles(task, shapes, found, made, aspect):
         note = f"{len(points):,} vertices" if name == "rest" else ""
         if (task.name, name) in found:
             edges, volume, *_ = found[task.name, name]
-            note = f"edges {100 * edges:.1f} %   volume {volume:.2f}"
+            note = f"edges {100 * edges:.1f} %   volume {decimals(volume)}"
         label = task.name if name == "rest" else name
         made_tiles.append(Tile([mesh_of(task, points, made)], label, centre, height, note=note, text=LETTERS))
     return made_tiles
@@ -212,7 +223,7 @@ def table(tasks, found):
         cells = []
         for task in tasks:
             edges, volume, change, smallest = found[task.name, name]
-            cells.append(f"{100 * edges:.1f}, {volume:.2f}, {change:.1f}, {smallest:.0f}")
+            cells.append(f"{100 * edges:.1f}, {decimals(volume)}, {change:.1f}, {smallest:.0f}")
         rows.append(f"| `{name}` | " + " | ".join(cells) + " |")
     return "\n".join(rows) + "\n"
 
