@@ -1,4 +1,4 @@
-"""What Bake made of an object, which would add to a live pose."""
+"""Shape keys and caches that Bake Pose has made of an object, which would add to a live pose."""
 
 
 def mute(obj, mute):

@@ -1,4 +1,4 @@
-"""Vertex groups."""
+"""Vertex groups: their members and weights as arrays, and groups made of weights or of the selection."""
 
 import bmesh
 import numpy as np

@@ -1,4 +1,4 @@
-"""What operators on arcs share."""
+"""What operators on arcs of in-betweens share: which arc of which object, and whether it can be written."""
 
 from bpy.props import StringProperty
 

@@ -1,4 +1,4 @@
-"""What operators on the list of markers still miss."""
+"""What operators on the list of marker pairs and curves share: whether there is one that they can act on."""
 
 from .job import allowed
 

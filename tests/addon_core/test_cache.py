@@ -1,3 +1,5 @@
+"""Point caches: the bytes of a PC2 file, and files that are left whole."""
+
 import numpy as np
 import pytest
 from lissom_addon_core import cache

@@ -1,3 +1,5 @@
+"""Hats: the weights of keys between knots, and that keys play the polygon through them."""
+
 import itertools
 
 import numpy as np

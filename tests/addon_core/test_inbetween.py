@@ -1,3 +1,5 @@
+"""Stops of an arc, as the artist writes them."""
+
 import pytest
 from lissom_addon_core.inbetween import stops
 from lissom_addon_core.refused import Refused

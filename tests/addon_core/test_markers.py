@@ -1,3 +1,5 @@
+"""Marker files, and markers as points of a surface."""
+
 import json
 import os
 

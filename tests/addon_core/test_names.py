@@ -1,3 +1,5 @@
+"""Names of keys: numbered, cut to Blender's length, left out."""
+
 import pytest
 from lissom_addon_core import names
 

@@ -1,3 +1,5 @@
+"""Groups of vertices that can and cannot be handles."""
+
 import numpy as np
 import pytest
 from lissom_addon_core.pose import check_groups

@@ -1,3 +1,5 @@
+"""The space that meshes are solved in: of the scene's lengths, whatever an object's scale."""
+
 import numpy as np
 import pytest
 from lissom_addon_core import space

@@ -1,3 +1,5 @@
+"""The hash of a mesh's faces: what changes it, and what does not."""
+
 import numpy as np
 from lissom_addon_core import topology
 

@@ -1,3 +1,5 @@
+"""Shapes of keys that are carried over, and what they are as deltas on the target."""
+
 from types import SimpleNamespace
 
 import lissom

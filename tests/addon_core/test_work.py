@@ -1,3 +1,5 @@
+"""Long work as a row of jobs: waited for, polled, cancelled."""
+
 import lissom
 import pytest
 from lissom_addon_core.work import Block, Work

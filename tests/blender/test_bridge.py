@@ -1,3 +1,5 @@
+"""What is read from Blender's meshes and groups, and written to them."""
+
 import bpy
 import numpy as np
 import pytest

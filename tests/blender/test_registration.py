@@ -1,3 +1,5 @@
+"""The extension as Blender registers it: twice, with undo, and a text for every property."""
+
 import sys
 
 import bpy

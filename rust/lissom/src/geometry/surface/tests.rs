@@ -1,3 +1,5 @@
+//! Closest points of a surface and rays through it, where sides, edges and slivers mislead.
+
 use super::*;
 
 /// Two parallel squares that face away from each other, 0.1 apart.

@@ -1,3 +1,5 @@
+//! The tree of boxes: that it passes over nothing nearer, and what a search costs.
+
 use super::*;
 use crate::geometry::rows::Rows;
 use std::cell::Cell;
