@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .region import largest_piece, words
+from .place_in_words import largest_piece, words
 
 # A triangle so much longer or narrower than the usual one is torn. Of a cat on a lion by 8 markers or by 55,
 # the largest piece of such is 0.04 % of the area at most; with two markers swapped it is 1.5 %.

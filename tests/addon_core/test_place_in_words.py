@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from lissom_addon_core.region import largest_piece, words
+from lissom_addon_core.place_in_words import largest_piece, words
 
 SIDE = 21
 GRID = np.stack(np.meshgrid(np.linspace(-1, 1, SIDE), np.linspace(-1, 1, SIDE)), axis=-1).reshape(-1, 2)
