@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use super::goal::{self, Goal};
 use super::handles::{self, Handle};
-use super::images::Images;
 use super::method::{CommonOptions, Method, Solution, SolveOptions};
+use super::mirrored::Images;
 use super::own_turns::OwnTurns;
 use super::region::Region;
 use super::registry::MethodOptions;
