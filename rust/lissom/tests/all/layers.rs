@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 /// From the ground up. A module imports modules of lower layers only, none beside it.
 const LAYERS: [&[&str]; 8] = [
     &["error", "matrix"],
-    &["rotation"],
-    &["job", "memory", "geometry"],
+    &["rotation", "job", "memory"],
+    &["geometry"],
     &["mesh", "linear"],
     &["options", "symmetry"],
     &["operators", "riding", "stretch"],
