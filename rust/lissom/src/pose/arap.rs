@@ -27,7 +27,7 @@
 
 use std::f64::consts::PI;
 
-use super::arap_descent::{Posing, Turned};
+use super::arap_descent::{Energy, Posing, Turned};
 use super::field;
 use super::flat::Turns;
 use super::following::{Following, Reached};
@@ -84,23 +84,14 @@ pub(super) fn bind(region: &Region, options: &Options, job: &Job) -> Result<Box<
 /// ARAP bound to a region.
 #[derive(Debug)]
 pub struct Arap {
-    /// Of weights times `1 - l`.
-    pub(super) stitcher: Stitcher,
-    /// Covariances of the cells at rest.
-    pub(super) rest: Vec<Mat3>,
-    /// `a` times the region's area, against weights times `1 - l`, over the number of cells of an edge.
-    pub(super) rotation_smoothing: f64,
-    /// What vertices own besides their edges.
-    pub(super) differences: Vec<Differences>,
-    /// Of the descent, where rotations are smoothed.
-    pub(super) metric: Option<ConstrainedSystem>,
+    energy: Energy,
     /// The last pose: rotations, and the shape.
     previous: Option<(Vec<Quat>, Reached)>,
     /// That of a solve that has not been kept yet.
     found: (Vec<Quat>, Reached),
     following: Following,
     /// Of each handle that has turned by itself: how much vertices turn along, and its compliance.
-    pub(super) levers: Vec<Option<(Vec<f64>, Mat3)>>,
+    levers: Vec<Option<(Vec<f64>, Mat3)>>,
 }
 
 impl Arap {
@@ -143,11 +134,7 @@ impl Arap {
             .then(|| metric(&stitcher, &rest, rotation_smoothing, job))
             .transpose()?;
         Ok(Self {
-            stitcher,
-            rest,
-            rotation_smoothing,
-            differences,
-            metric,
+            energy: Energy { stitcher, rest, rotation_smoothing, differences, metric },
             previous: None,
             found: Default::default(),
             following: Following::default(),
@@ -161,12 +148,12 @@ impl Arap {
     /// the lower minimum shows only at the end. Where both are about equal, rotations are not what the pose is
     /// about, and the second leads lower.
     fn start(&self, region: &Region, goal: &Goal) -> Turned {
-        let posing = Posing::of(self, region, goal);
+        let posing = Posing::of(&self.energy, &self.levers, region, goal);
         let quaternions = |rotations: Vec<Mat3>| {
             rotations.iter().map(|r| Quat::from_mat3(r).normalize()).collect::<Vec<_>>()
         };
         let unturned = || vec![Quat::IDENTITY; goal.pivots.len()];
-        let mut extended = quaternions(field::rotations(self.stitcher.system(), region, goal));
+        let mut extended = quaternions(field::rotations(self.energy.stitcher.system(), region, goal));
         posing.turns.keep(&mut extended);
         let extended = posing.stitched(extended, unturned());
         // More than half a turn is in the extended rotations alone.
@@ -175,19 +162,19 @@ impl Arap {
         }
         let x: Vec<Vec3> =
             region.mesh().rest().iter().zip(&goal.displacements).map(|(&v, &d)| v + d).collect();
-        let covariances = self.stitcher.covariances(Reference::Rest, &x);
+        let covariances = self.energy.stitcher.covariances(Reference::Rest, &x);
         let rest = quaternions(covariances.into_iter().map(|m| posing.turns.nearest(m)).collect());
         let rest = posing.stitched(rest, unturned());
         let start = if extended.energy <= CLEARLY * rest.energy { extended } else { rest };
         // So long a step would teach the descent a wrong curvature.
-        if self.metric.is_none() { posing.moved(&start, &start.misfits, 1.0) } else { start }
+        if self.energy.metric.is_none() { posing.moved(&start, &start.misfits, 1.0) } else { start }
     }
 
     /// The lever of a handle: from the rest pose, turned a little, its stiffness is what resists.
     fn add_lever(&mut self, region: &Region, handle: usize) {
         let axis = |h: usize| if h == handle { Vec3::X } else { Vec3::ZERO };
         let mut weights = [region.at_handles(axis)];
-        self.stitcher.system().extend(&mut weights);
+        self.energy.stitcher.system().extend(&mut weights);
         let weights: Vec<f64> = weights[0].iter().map(|w| w.x).collect();
         let rest = vec![Vec3::ZERO; weights.len()];
         let goal = Goal { displacements: rest, handles: Vec::new(), affine: true, pivots: Vec::new() };
@@ -197,7 +184,7 @@ impl Arap {
         let lever = Lever::of(region, &goal, (handle, centre), &weights, Mat3::IDENTITY);
         let symmetry = &Symmetry::default();
         let turns = Turns::free();
-        let posing = Posing { arap: self, symmetry, goal: &goal, levers: vec![lever], turns };
+        let posing = Posing { energy: &self.energy, symmetry, goal: &goal, levers: vec![lever], turns };
         let still = posing.stitched(vec![Quat::IDENTITY; n], vec![Quat::IDENTITY]);
         let stiffness = Vec3::AXES.map(|axis| {
             let mut direction = vec![Vec3::ZERO; n + 1];
@@ -205,7 +192,7 @@ impl Arap {
             posing.moved(&still, &direction, 1.0).torques[n] / LITTLE
         });
         let stiffness = Mat3::from_cols(stiffness[0], stiffness[1], stiffness[2]);
-        let size: f64 = self.rest.iter().map(|s| trace(*s)).sum();
+        let size: f64 = self.energy.rest.iter().map(|s| trace(*s)).sum();
         let least = Mat3::IDENTITY * (LEAST_MASS * size).max(f64::MIN_POSITIVE);
         let compliance = ((stiffness + stiffness.transpose()) * 0.5 + least).inverse();
         self.levers.resize(self.levers.len().max(handle + 1), None);
@@ -215,7 +202,7 @@ impl Arap {
 
 impl Method for Arap {
     fn systems(&self) -> Vec<&ConstrainedSystem> {
-        std::iter::once(self.stitcher.system()).chain(&self.metric).collect()
+        std::iter::once(self.energy.stitcher.system()).chain(&self.energy.metric).collect()
     }
 
     fn turns_handles(&self) -> bool {
@@ -228,12 +215,10 @@ impl Method for Arap {
                 self.add_lever(region, handle);
             }
         }
-        let followed = self
-            .previous
-            .as_ref()
-            .filter(|_| options.warm_start)
-            .and_then(|(_, reached)| self.following.moved(self.stitcher.system(), region, reached, goal));
-        let posing = Posing::of(self, region, goal);
+        let followed = self.previous.as_ref().filter(|_| options.warm_start).and_then(|(_, reached)| {
+            self.following.moved(self.energy.stitcher.system(), region, reached, goal)
+        });
+        let posing = Posing::of(&self.energy, &self.levers, region, goal);
         let start = match (&self.previous, followed) {
             (Some((rotations, _)), Some(shape)) if !posing.turns.are_flat() => {
                 posing.at(rotations.clone(), Vec::new(), shape, &[])
@@ -250,7 +235,7 @@ impl Method for Arap {
             job.report(iteration as f64 / stop.max_iterations as f64, "posing");
             job.check()
         })?;
-        let cells = self.stitcher.owners().per_edge();
+        let cells = self.energy.stitcher.owners().per_edge();
         let Turned { rotations, turns, displacements, energy, .. } = refined.point;
         self.found = (rotations, Reached { goal: Some(goal.clone()), displacements: displacements.clone() });
         Ok(Solution {

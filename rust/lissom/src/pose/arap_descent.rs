@@ -1,18 +1,33 @@
 //! The energy of [`super::arap`] as a function of its rotations, for a descent: of a region on its way to a goal,
 //! the shape that matches rotations best, and the torques that the energy puts on them there.
 
-use super::arap::Arap;
 use super::flat::Turns;
 use super::goal::Goal;
 use super::lever::{self, Lever};
 use super::region::Region;
-use crate::stitch::{AtRest, Descent, turned, turned_less};
+use crate::linear::ConstrainedSystem;
+use crate::stitch::{AtRest, Descent, Differences, Stitcher, turned, turned_less};
 use crate::symmetry::Symmetry;
 use crate::{Mat3, Quat, Vec3};
 
+/// What the energy of a region is made of.
+#[derive(Debug)]
+pub(super) struct Energy {
+    /// Of weights times `1 - l`.
+    pub(super) stitcher: Stitcher,
+    /// Covariances of the cells at rest.
+    pub(super) rest: Vec<Mat3>,
+    /// `a` times the region's area, against weights times `1 - l`, over the number of cells of an edge.
+    pub(super) rotation_smoothing: f64,
+    /// What vertices own besides their edges.
+    pub(super) differences: Vec<Differences>,
+    /// Of the descent, where rotations are smoothed.
+    pub(super) metric: Option<ConstrainedSystem>,
+}
+
 /// A region on its way to a goal.
 pub(super) struct Posing<'a> {
-    pub(super) arap: &'a Arap,
+    pub(super) energy: &'a Energy,
     pub(super) symmetry: &'a Symmetry,
     pub(super) goal: &'a Goal,
     /// Those of the goal's pivots.
@@ -37,33 +52,33 @@ pub(super) struct Turned {
 
 impl<'a> Posing<'a> {
     /// A region's way to a goal, as its handles turn.
-    pub(super) fn of(arap: &'a Arap, region: &'a Region, goal: &'a Goal) -> Self {
+    pub(super) fn of(
+        energy: &'a Energy,
+        levers: &'a [Option<(Vec<f64>, Mat3)>],
+        region: &'a Region,
+        goal: &'a Goal,
+    ) -> Self {
         let levers = goal.pivots.iter().filter_map(|&(h, pivot)| {
-            let (weights, compliance) = arap.levers.get(h)?.as_ref()?;
+            let (weights, compliance) = levers.get(h)?.as_ref()?;
             Some(Lever::of(region, goal, (h, pivot), weights, *compliance))
         });
-        Self {
-            arap,
-            symmetry: region.symmetry(),
-            goal,
-            levers: levers.collect(),
-            turns: Turns::of(region, goal),
-        }
+        let (levers, turns) = (levers.collect(), Turns::of(region, goal));
+        Self { energy, symmetry: region.symmetry(), goal, levers, turns }
     }
 
     /// The shape that matches rotations best.
     pub(super) fn stitched(&self, rotations: Vec<Quat>, turns: Vec<Quat>) -> Turned {
         let asked = self.asked(&rotations);
         let mut displacements = [lever::asked(&self.goal.displacements, &self.levers, &turns)];
-        self.arap.stitcher.system().solve(&[&asked], &mut displacements);
+        self.energy.stitcher.system().solve(&[&asked], &mut displacements);
         let [displacements] = displacements;
         self.at(rotations, turns, displacements, &asked)
     }
 
     /// What rotations ask of the displacements.
     fn asked(&self, rotations: &[Quat]) -> Vec<Vec3> {
-        let mut asked = self.arap.stitcher.turn_divergence(rotations);
-        for differences in &self.arap.differences {
+        let mut asked = self.energy.stitcher.turn_divergence(rotations);
+        for differences in &self.energy.differences {
             differences.add_divergence(|i, v| turned_less(rotations[i], v), &mut asked);
         }
         asked
@@ -77,7 +92,7 @@ impl<'a> Posing<'a> {
         displacements: Vec<Vec3>,
         asked: &[Vec3],
     ) -> Turned {
-        let Arap { stitcher, rest, rotation_smoothing, differences, .. } = self.arap;
+        let Energy { stitcher, rest, rotation_smoothing, differences, .. } = self.energy;
         let more = |i: usize| {
             let at = differences.iter().map(|differences| differences.at(i, &displacements));
             at.fold((Mat3::ZERO, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1))
@@ -121,7 +136,7 @@ impl Descent for Posing<'_> {
 
     fn gradient(&self, at: &Turned) -> [Vec<Vec3>; 2] {
         let (own, of_handles) = at.torques.split_at(at.rotations.len());
-        let mut divided: Vec<Vec3> = match &self.arap.metric {
+        let mut divided: Vec<Vec3> = match &self.energy.metric {
             None => at.misfits[..own.len()].iter().map(|&misfit| -misfit).collect(),
             Some(metric) => {
                 let mut divided = [vec![Vec3::ZERO; own.len()]];
