@@ -7,6 +7,7 @@ from faces import diagonal, loop_through, neighbours, rings_from_border, triangu
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapes import grid_faces
+from test_fit_forgives import Head, carried, shuffled
 
 FACE = 9409
 # Landmarks that an artist would click: jaw, brows, nose, corners of eyes and mouth, lips.
@@ -250,3 +251,58 @@ def test_what_is_not_even_vertices_is_a_type_error(curves):
     mesh = lissom.Mesh(*sheet(6))
     with pytest.raises(TypeError, match="curves"):
         lissom.fit_correspondence(mesh, mesh, [[0, 0], [5, 5], [30, 30]], curves=curves)
+
+
+def relief(seed, size=33):
+    """A square of size x size vertices with random hills, and the same mapped, in another order."""
+    random = np.random.default_rng(seed)
+    y, x = np.divmod(np.arange(size * size), size) / np.array((size - 1) / 2.0) - 1
+    middles, widths, heights = (
+        random.uniform(low, high, (9, k)) for low, high, k in ((-0.8, 0.8, 2), (0.15, 0.3, 1), (-0.3, 0.4, 1))
+    )
+    away = ((np.stack([x, y], 1)[:, None] - middles) ** 2).sum(-1)
+    z = 0.6 * np.cos(x) * np.cos(y) + (heights.T * np.exp(-away / widths.T**2)).sum(1)
+    rest = np.stack([x, y, z], 1)
+    mapped = bump(seed + 1)(rest / 3) * 3
+    order = random.permutation(len(rest))
+    place = np.argsort(order)
+    return rest, mapped, grid_faces(size, size), order, place
+
+
+@pytest.mark.parametrize("markers", [False, True])
+@pytest.mark.parametrize("seed", range(3))
+def test_by_few_markers_curves_that_are_cut_short_or_beside_are_named_and_left_out(seed, markers):
+    rest, mapped, faces, order, place = relief(seed)
+    source, target = lissom.Mesh(rest, faces), lissom.Mesh(mapped[order], place[faces])
+    path = 33 * 12 + np.arange(8, 25)
+    wrong = {"cut short": path[:-4], "beside": path + 33 * 5}
+    corners = np.array([70, 1000, 900])
+    marked = np.column_stack([corners, place[corners]]) if markers else None
+
+    def fitted(*others):
+        curves = [(path, place[other]) for other in others]
+        fit = lissom.fit_correspondence(source, target, marked, curves=curves)
+        return fit, np.linalg.norm(fit.fitted_vertices - mapped, axis=1).mean() / diagonal(mapped)
+
+    _, without = fitted()
+    right, by_right = fitted(path)
+    assert not right.report["warnings"] and by_right < 1.1 * without
+    for other in wrong.values():
+        fit, off = fitted(other)
+        assert fit.doubtful_curves.tolist() == [0] and fit.doubtful_curve_percents[0] > 1
+        assert fit.curve_warnings == fit.report["warnings"] and "left out" in fit.curve_warnings[0]
+        # Where its middle lies has been asked for how the meshes lie.
+        assert off < 1.4 * without
+
+
+def test_curves_do_not_make_keys_turn_along_by_the_shapes(data):
+    """A mouth alone tells no turn: by it keys of this person were turned by 8 degrees."""
+    head = Head(data)
+    vertices, faces, place, order = shuffled(head.person(3), head.faces)
+    mouth = Cartoon(data, 1.0).mouth
+    source, target = lissom.Mesh(head.rest, head.faces), lissom.Mesh(vertices, faces)
+    errors = []
+    for curves in ([], [(mouth, place[mouth])]):
+        _, keys = carried(source, target, None, head.rest + head.offsets, curves=curves)
+        errors.append(np.median(head.errors(keys, vertices, head.offsets[:, order])))
+    assert errors[1] < 1.1 * errors[0]

@@ -184,7 +184,8 @@ def test_half_a_head_without_markers_does_not_tilt_the_keys(data, half):
     _, keys = carried(lissom.Mesh(own, own_faces), lissom.Mesh(vertices, faces), None, poses)
     vertex = order[mixed]
     errors = head.errors(keys, vertices, head.offsets[:, vertex], left[vertex] & (vertex < FACE))
-    # Measured 1.53; 1.64 and 1.96 where keys turned by what half a face seems to be turned by.
+    # Measured 1.59 and 1.40; 1.64 and 1.96 where keys turned by what half a face seems to be turned by, and
+    # 1.53 for the second where what of the source has no counterpart told it as well.
     assert np.median(errors) < 1.6 * Head(data).best(person[:FACE])
 
 

@@ -2,12 +2,13 @@
 
 use std::time::Instant;
 
+use super::astray::register_less_astray;
 use super::diagnosis::{Fit, FitReport, conclude};
 use super::marked::Marked;
 use super::morph::{self, Morph};
 use super::options::FitOptions;
 use super::overlap::overlap;
-use super::registration::register;
+use super::registration::Registered;
 use super::same::same;
 use super::side::{Placed, Side};
 use crate::options::OptionSet;
@@ -67,7 +68,8 @@ pub fn fit_correspondence(
         return Ok(fit);
     }
 
-    let Marked { mut lie, led_by } = Marked::of(&source_side, &onto, markers, options, &mut warnings, job)?;
+    let Marked { mut lie, mut led_by } =
+        Marked::of(&source_side, &onto, markers, options, &mut warnings, job)?;
     let mut morph = Morph::new(source, &options.modes, &lie);
     if !options.modes.is_empty() {
         morph.find(&source_side, &onto, &lie.markers, options.match_distance, job)?;
@@ -75,7 +77,8 @@ pub fn fit_correspondence(
     }
     let laid = source.reshaped(morph.turned());
     let source_side = source_side.of(&laid);
-    let (x, rounds) = register(&source_side, &onto, &lie, options, job)?;
+    let Registered { vertices: x, rounds } =
+        register_less_astray(&source_side, &onto, &mut lie, &mut led_by, options, job)?;
     job.report(0.9, "match");
     let led = led_by.told(&x, markers, options.marker_tolerance);
     let doubtful = led.doubtful.iter().chain([&led.unmet, &led.reordered]).flatten();
@@ -85,7 +88,9 @@ pub fn fit_correspondence(
         conclude(&Placed::new(&source_side, &x), &onto, options.match_distance, report, false, job)?;
     fit.report.doubt_what_is_uncovered();
     (fit.rest, fit.coefficients) = morph.told(source);
-    fit.matches.turn = lie.settled_turn(source, &x, !options.modes.is_empty());
+    let within = options.match_distance * target.frame().scale;
+    let lies_on = |v: usize| fit.distances[v] <= within;
+    fit.matches.turn = lie.settled_turn(source, &x, lies_on, !options.modes.is_empty());
     fit.matches.curves = led.curves;
     let in_units = |off: Vec<f64>| off.into_iter().map(|off| off * target.frame().scale).collect();
     [fit.marker_distances, fit.curve_distances] = led.off.map(in_units);

@@ -12,8 +12,8 @@ const WORTH_DEGREES: f64 = 5.0;
 /// to be turned by as much.
 const ALL_BEYOND: f64 = 2.5;
 
-/// Fewer markers, and shapes alone, tell the turn less exactly than the fitted surface does: three on a face are off by
-/// 5 to 8 degrees, it is by 1 or 2.
+/// Fewer markers and curves, and shapes alone, tell the turn less exactly than the fitted surface does: three on a face are
+/// off by 5 to 8 degrees, it is by 1 or 2.
 const SURE: usize = 6;
 
 /// A similarity, and the markers that it comes from.
@@ -30,6 +30,8 @@ pub struct Lie {
     pub shift: Vec3,
     /// 0-1; 1 by markers.
     pub certainty: f64,
+    /// Whether it comes from so many places that these tell the turn.
+    is_sure: bool,
 }
 
 impl Lie {
@@ -41,16 +43,27 @@ impl Lie {
         let size = rigid::size_ratio(places.iter().map(|p| p.1), places.iter().map(|p| p.0));
         let (from, to) = alignment.centroids();
         let shift = to - turn.unwrap_or(Mat3::IDENTITY) * from * size;
-        Self { markers, scatter, turn, size, shift, certainty: 1.0 }
+        Self { markers, scatter, turn, size, shift, certainty: 1.0, is_sure: places.len() >= SURE }
     }
 
-    /// The rotation by which keys turn along, with the source's vertices fitted to `x`; by a fit `with_modes` it is
-    /// surer than by a surface alone.
-    pub fn settled_turn(&self, source: &Mesh, x: &[Vec3], with_modes: bool) -> Mat3 {
-        if self.markers.len() >= SURE {
+    /// The rotation by which keys turn along, with the source's vertices fitted to `x`, some of which `lie_on` the target:
+    /// the others tell nothing. By a fit `with_modes` it is surer than by a surface alone.
+    pub fn settled_turn(
+        &self,
+        source: &Mesh,
+        x: &[Vec3],
+        lie_on: impl Fn(usize) -> bool,
+        with_modes: bool,
+    ) -> Mat3 {
+        if self.is_sure {
             return self.turn.unwrap_or(Mat3::IDENTITY);
         }
-        let turn = Alignment::of(source.rest().iter().copied().zip(x.iter().copied())).rotation();
+        let told = source.rest().iter().zip(x).enumerate().filter(|(v, _)| lie_on(*v));
+        let alignment = Alignment::of(told.map(|(_, (&from, &to))| (from, to)));
+        if !alignment.is_determined() {
+            return self.turn.unwrap_or(Mat3::IDENTITY);
+        }
+        let turn = alignment.rotation();
         if !is_worth(turn) {
             return Mat3::IDENTITY;
         }
@@ -68,7 +81,7 @@ impl Lie {
         let turned = turn.unwrap_or(Mat3::IDENTITY) * centre;
         let shift = found.similarity.apply(centre) - turned * found.scale;
         let (size, certainty) = (found.scale, found.certainty);
-        Self { markers: Vec::new(), scatter, turn, size, shift, certainty }
+        Self { markers: Vec::new(), scatter, turn, size, shift, certainty, is_sure: false }
     }
 }
 

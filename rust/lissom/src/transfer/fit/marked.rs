@@ -40,6 +40,9 @@ pub struct LedBy {
     reordered: Vec<usize>,
     /// The doubtful ones, counted through markers and curves, and how far each is off.
     doubts: Vec<(usize, f64)>,
+    /// The curves that the surfaces speak against, and how far each is off by these.
+    astray: Vec<(usize, f64)>,
+    exact: bool,
 }
 
 /// What became of them; of two, the first is of markers, the second of curves.
@@ -114,9 +117,7 @@ impl Marked {
                 Lie::of(&trusted, Vec::new(), doubts.scatter)
             }
         };
-        let followed = (0..found.len()).filter(|&i| kept(i)).map(|i| found[i]);
-        lie.markers = followed.collect();
-        let followed = lie.markers.clone();
+        let followed: Vec<Marker> = (0..found.len()).filter(|&i| kept(i)).map(|i| found[i]).collect();
         let mut of_curves = Vec::with_capacity(curves.len());
         let mut reordered = Vec::new();
         for (i, curve) in curves.iter().enumerate() {
@@ -126,15 +127,18 @@ impl Marked {
             }
             let matched: Matched = matched.unwrap_or_else(|matched| matched);
             let as_markers = curve.markers(source, &matched);
-            if kept(found.len() + i) {
-                lie.markers.extend(&as_markers);
-            }
             of_curves.push((as_markers, curve.places(&matched)));
         }
-        Ok(Self {
-            lie,
-            led_by: LedBy { markers: found, curves: of_curves, reordered, doubts: doubts.markers },
-        })
+        let led_by = LedBy {
+            markers: found,
+            curves: of_curves,
+            reordered,
+            doubts: doubts.markers,
+            astray: Vec::new(),
+            exact: tolerance == 0.0,
+        };
+        lie.markers = led_by.followed();
+        Ok(Self { lie, led_by })
     }
 }
 
@@ -166,6 +170,42 @@ fn without_markers(found: &Found, source: &Mesh, tolerance: f64, warnings: &mut 
 }
 
 impl LedBy {
+    /// Whether one is followed, counted through markers and curves.
+    fn follows(&self, i: usize) -> bool {
+        let mut left_out =
+            self.doubts.iter().map(|d| d.0).chain(self.astray.iter().map(|d| self.markers.len() + d.0));
+        self.exact || left_out.all(|out| out != i)
+    }
+
+    /// The markers that are followed, without those of curves.
+    pub fn followed_points(&self) -> Vec<Marker> {
+        (0..self.markers.len()).filter(|&i| self.follows(i)).map(|i| self.markers[i]).collect()
+    }
+
+    /// The numbers of the curves that are followed.
+    pub fn followed_curves(&self) -> Vec<usize> {
+        (0..self.curves.len()).filter(|&i| self.follows(self.markers.len() + i)).collect()
+    }
+
+    /// The markers that a curve is.
+    pub fn curve(&self, number: usize) -> &[Marker] {
+        &self.curves[number].0
+    }
+
+    /// All that is followed.
+    pub fn followed(&self) -> Vec<Marker> {
+        let curves = self.followed_curves();
+        self.followed_points()
+            .into_iter()
+            .chain(curves.iter().flat_map(|&i| self.curve(i)).copied())
+            .collect()
+    }
+
+    /// Follows a curve no longer, which is so far `off` by the surfaces.
+    pub fn leave_out(&mut self, curve: usize, off: f64) {
+        self.astray.push((curve, off));
+    }
+
     /// What became of them with the source's vertices at `x`; `given` are the markers as they were given.
     pub fn told(self, x: &[Vec3], given: Option<&[[u32; 2]]>, tolerance: f64) -> Led {
         let mean = |(markers, _): &(Vec<Marker>, _)| {
@@ -177,9 +217,11 @@ impl LedBy {
         let of = |i: usize| if i < count { (0, i) } else { (1, i - count) };
         let mut doubtful = [Vec::new(), Vec::new()];
         let met = |i: usize| off[of(i).0][of(i).1] <= MET * tolerance;
-        for &(i, by) in self.doubts.iter().filter(|d| tolerance == 0.0 || !met(d.0)) {
+        let unmet = self.doubts.iter().copied().filter(|d| self.exact || !met(d.0));
+        // What is cut short lies on its like all the same.
+        for (i, by) in unmet.chain(self.astray.iter().map(|&(number, by)| (count + number, by))) {
             let (side, number) = of(i);
-            let what = if tolerance == 0.0 { "kept, since the tolerance is 0" } else { "left out" };
+            let what = if self.exact { "kept, since the tolerance is 0" } else { "left out" };
             let who = match side {
                 0 => format!(
                     "markers: number {number} (source vertex {})",
@@ -194,8 +236,7 @@ impl LedBy {
             );
             doubtful[side].push(Doubtful { number: number as u32, percent, warning });
         }
-        let left_out = |i: usize| tolerance > 0.0 && self.doubts.iter().any(|d| d.0 == i);
-        let missed = |i: &usize| tolerance > 0.0 && !left_out(*i) && !met(*i);
+        let missed = |i: &usize| !self.exact && self.follows(*i) && !met(*i);
         let unmet = (count..count + self.curves.len()).filter(missed).map(|i| {
             let (number, percent) = (i - count, 100.0 * off[1][i - count]);
             let warning = format!(
@@ -213,9 +254,7 @@ impl LedBy {
             Doubtful { number: number as u32, percent: 100.0 * off[1][number], warning }
         });
         let reordered = reordered.collect();
-        let followed =
-            |(i, (_, places)): (usize, (_, Vec<CurvePoint>))| (!left_out(count + i)).then_some(places);
-        let curves = self.curves.into_iter().enumerate().filter_map(followed).collect();
+        let curves = self.followed_curves().into_iter().map(|i| self.curves[i].1.clone()).collect();
         Led { off, doubtful, unmet, reordered, curves }
     }
 }

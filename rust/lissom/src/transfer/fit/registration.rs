@@ -76,9 +76,11 @@ const QUARTILES: f64 = 4.0;
 /// coarse one will do.
 const BOTH_SIDES: f64 = 0.7;
 
-/// Fewer markers leave most of the way to the surfaces, which then take twice the rounds before both sides are looked up:
-/// with less a mouth may be pulled tight while it is still beside the target's.
-const LED: usize = 6;
+/// Until then more rounds are made while the last one has moved vertices by more than this at the root mean square, in the
+/// target's unit coordinates, up to so many times as many: what few markers leave to the surfaces takes longer, and a
+/// mouth may be pulled tight while it is still beside the target's.
+const SETTLED: f64 = 3e-4;
+const MOST_ROUNDS: usize = 2;
 
 /// The mean of a plane's weights over the directions, times this, is the metric: measured, 0.9 converges fastest.
 const METRIC: f64 = 0.9;
@@ -86,7 +88,15 @@ const METRIC: f64 = 0.9;
 /// What nothing pulls must not make the matrix singular, relative to `w_C`.
 const LEAST: f64 = 1e-6;
 
-/// The vertices of the source, once turned, on the target, in the target's unit coordinates, and the rounds it took.
+/// What a registration comes to.
+pub struct Registered {
+    /// The vertices of the source, once turned, on the target, in the target's unit coordinates.
+    pub vertices: Vec<Vec3>,
+    /// How many rounds it took.
+    pub rounds: usize,
+}
+
+/// Registers by the markers of `lie`; `progress` is what of a job that is.
 ///
 /// # Errors
 ///
@@ -96,33 +106,29 @@ pub fn register(
     target: &Placed,
     lie: &Lie,
     options: &FitOptions,
+    progress: Range<f64>,
     job: &Job,
-) -> Result<(Vec<Vec3>, usize)> {
-    let whole = Part { source, target, lie, markers: &lie.markers, stands_for: 1.0, options, job };
+) -> Result<Registered> {
+    let markers = &lie.markers;
+    let whole = Part { source, target, lie, markers, stands_for: 1.0, options, progress: &progress, job };
     let from_both_sides = (0..options.steps).find(|&step| options.share_of(step) >= BOTH_SIDES);
     let coarse_steps = from_both_sides.unwrap_or(options.steps);
     let coarse = if coarse_steps > 0 { Coarse::of(source, &lie.markers) } else { None };
-    let (mut energy, mut u, done);
+    let (mut energy, mut u, done, mut rounds);
     match &coarse {
         Some(coarse) => {
-            (energy, u) = whole.begin_on(coarse, coarse_steps)?;
+            (energy, u, rounds) = whole.begin_on(coarse, coarse_steps)?;
             done = coarse_steps;
         }
         None => {
             (energy, u) = whole.begin()?;
             whole.follow_markers(&energy, &mut u)?;
-            done = 0;
+            (done, rounds) = (0, 0);
         }
     }
-    whole.pull(&mut energy, &mut u, done..options.steps)?;
+    rounds += whole.pull(&mut energy, &mut u, done..options.steps)?;
     u.truncate(source.mesh.vertices().len());
-    let twice = if is_creeping(&lie.markers) { coarse_steps } else { 0 };
-    Ok((u, (options.steps + twice) * options.rounds))
-}
-
-/// Whether these leave most of the way to the surfaces; curves lead what is beside them only.
-fn is_creeping(markers: &[Marker]) -> bool {
-    markers.iter().filter(|m| !m.is_of_curve()).count() < LED
+    Ok(Registered { vertices: u, rounds })
 }
 
 /// The source, or a coarse one, on its way to the target.
@@ -135,6 +141,7 @@ struct Part<'a> {
     /// How many triangles of the source there are for one of it.
     stands_for: f64,
     options: &'a FitOptions,
+    progress: &'a Range<f64>,
     job: &'a Job,
 }
 
@@ -160,15 +167,16 @@ impl<'a> Part<'a> {
         Ok((energy, u))
     }
 
-    /// The same where a coarse source has come in so many steps, which the whole one follows: its vertices are markers.
-    fn begin_on(&self, coarse: &Coarse, steps: usize) -> Result<(Energy<'a>, Vec<Vec3>)> {
+    /// The same where a coarse source has come in so many steps, which the whole one follows: its vertices are markers. With
+    /// the rounds that took.
+    fn begin_on(&self, coarse: &Coarse, steps: usize) -> Result<(Energy<'a>, Vec<Vec3>, usize)> {
         let side = coarse.side(self.source)?;
         let on = Part { source: &side, markers: &coarse.markers, stands_for: coarse.stands_for, ..*self };
-        let places = || -> Result<Vec<Vec3>> {
+        let places = || -> Result<_> {
             let (mut energy, mut u) = on.begin()?;
             on.follow_markers(&energy, &mut u)?;
-            on.pull(&mut energy, &mut u, 0..steps)?;
-            Ok(u)
+            let rounds = on.pull(&mut energy, &mut u, 0..steps)?;
+            Ok((u, rounds))
         };
         let markers = |places: &[Vec3]| -> Vec<Marker> {
             let marker = |(&v, &goal): (&u32, &Vec3)| Marker::at_vertex(self.source.mesh, v, goal);
@@ -181,9 +189,9 @@ impl<'a> Part<'a> {
             Ok((energy, u, lead))
         };
         let (lead, places) = rayon::join(lead, places);
-        let ((energy, mut u, lead), places) = (lead?, places?);
+        let ((energy, mut u, lead), (places, rounds)) = (lead?, places?);
         lead.go(&energy, &markers(&places), &mut u);
-        Ok((energy, u))
+        Ok((energy, u, rounds))
     }
 
     /// `w_C = 0`
@@ -194,8 +202,8 @@ impl<'a> Part<'a> {
         Ok(())
     }
 
-    /// `w_C` as it rises in these steps.
-    fn pull(&self, energy: &mut Energy, u: &mut [Vec3], steps: Range<usize>) -> Result<()> {
+    /// `w_C` as it rises in these steps; how many rounds that takes.
+    fn pull(&self, energy: &mut Energy, u: &mut [Vec3], steps: Range<usize>) -> Result<usize> {
         let Self { source, target, markers, options, job, .. } = *self;
         let (n, scatter) = (source.mesh.vertices().len(), self.lie.scatter);
         let exact = options.marker_tolerance == 0.0;
@@ -207,6 +215,7 @@ impl<'a> Part<'a> {
         let mut look_up = LookUp::new(source, target, options.match_distance);
         let total = options.steps * options.rounds;
         let mut surface = None;
+        let mut made = 0;
         for step in steps {
             let fraction = options.share_of(step);
             let pull = self.stands_for * options.closest.powf(fraction);
@@ -218,11 +227,17 @@ impl<'a> Part<'a> {
                 energy.refer(u);
             }
             let mut descent = None;
-            let creeping = is_creeping(markers) && fraction < BOTH_SIDES;
-            for round in 0..options.rounds * if creeping { 2 } else { 1 } {
+            let both_sides = fraction >= BOTH_SIDES;
+            let mut before = u[..n].to_vec();
+            for round in 0..options.rounds * if both_sides { 1 } else { MOST_ROUNDS } {
+                if round >= options.rounds && moved(&before, u) < SETTLED {
+                    break;
+                }
+                before.copy_from_slice(&u[..n]);
+                made += 1;
                 let placed = Placed::again(source, &u[..n], surface.take());
                 let mut pulls = look_up.forth(&placed, pull * DIAGONAL_SQUARED, reach, job)?;
-                if fraction >= BOTH_SIDES {
+                if both_sides {
                     pulls.extend(look_up.back(&placed, pull * DIAGONAL_SQUARED, reach, job)?);
                 }
                 surface = Some(placed.surface);
@@ -239,11 +254,18 @@ impl<'a> Part<'a> {
                 job.check()?;
                 descent.iter_mut().for_each(|descent| descent.go(&pulls, u, 1));
                 let done = step * options.rounds + (round + 1).min(options.rounds);
-                job.report(0.1 + 0.8 * done as f64 / total as f64, "fit");
+                let Range { start, end } = *self.progress;
+                job.report(start + (end - start) * done as f64 / total as f64, "fit");
             }
         }
-        Ok(())
+        Ok(made)
     }
+}
+
+/// How far these have moved, at the root mean square.
+fn moved(before: &[Vec3], x: &[Vec3]) -> f64 {
+    let squares = before.iter().zip(x).map(|(a, b)| a.distance_squared(*b)).sum::<f64>();
+    (squares / before.len() as f64).sqrt()
 }
 
 /// How markers alone lead. Components without any are held at rest, which costs them nothing, and carried.
