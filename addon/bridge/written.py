@@ -1,7 +1,7 @@
 """What was written to shape keys, by which one tells what the artist has changed since.
 
 ``Key.lissom_written`` has a row for each key: its offsets from its relative key, as ``kept`` keeps them, and
-the hash of the faces. They lie on the block of the shape keys, so that they are saved, undone, copied and
+the hash of the edges. They lie on the block of the shape keys, so that they are saved, undone, copied and
 removed along with these. Shape keys bear no mark of their own: one that was renamed is known again by its
 shape.
 """
@@ -9,7 +9,7 @@ shape.
 from ..core import corrections
 from . import shape_keys
 from .kept import is_edited, keep, kept, offsets
-from .meshes import signature
+from .meshes import edge_signature
 
 
 class Written:
@@ -18,7 +18,7 @@ class Written:
     def __init__(self, obj, kind="lissom_written"):
         """``kind``: "lissom_written" of transfers, or "lissom_made" of what was made of a mesh's own keys."""
         self._obj, self._kind, self._rows = obj, kind, {}  # a key's name -> its row's
-        self._topology = signature(obj.data)
+        self._topology = edge_signature(obj.data)  # transforms that are applied may flip faces
         rows = self._all
         there = set(self._keys.key_blocks.keys()) if rows else set()
         self._rows = {row.name: row.name for row in rows if row.name in there}

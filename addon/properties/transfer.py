@@ -93,7 +93,7 @@ class LissomWritten(bpy.types.PropertyGroup):
     """What was written to one shape key; see bridge.written."""
 
     name: StringProperty(description="Name of the shape key then")
-    topology: StringProperty(description="The hash of the faces then")
+    topology: StringProperty(description="The hash of the edges then")
     offsets: StringProperty(subtype="BYTE_STRING")
     probes: StringProperty(description="Some vertices of the Basis then", subtype="BYTE_STRING")
     strength: FloatProperty(description="Over that of the transfer", default=1.0)

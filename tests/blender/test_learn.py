@@ -55,7 +55,7 @@ def test_corrected_keys_teach_the_others_and_stay_to_the_bit(capfd):
     assert 1.2 < grown < 1.31
     assert_array_equal(found[~plain.any(axis=1)], 0)
     said = capfd.readouterr().out
-    assert "Learned from 'up', 'out', 'aside': 1 keys changed on 'Monkey'" in said
+    assert "Learned from 'up', 'out', 'aside': 1 key changed on 'Monkey'" in said
 
 
 def test_what_was_learned_is_no_correction_and_is_learned_anew():

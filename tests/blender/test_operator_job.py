@@ -20,6 +20,7 @@ def test_what_follows_a_job_does_not_wait_for_it():
     scene.monkey(1)
     probe = Probe()
     session.work, probe._history = Work(_nothing()), session.history
+    probe._scene = bpy.context.scene.session_uid
     try:
         assert not bpy.ops.lissom.face_keys.poll()
         probe._tick(bpy.context)

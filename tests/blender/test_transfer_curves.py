@@ -90,7 +90,7 @@ def test_what_is_no_curve_changes_nothing():
     for chosen, message in (
         (([], ring(AROUND + 4, 2)), "No edges of 'Source' are selected"),
         ((ring(AROUND, 4), [0, 1, 40, 41]), "'Target' are in several pieces"),
-        ((ring(AROUND, 4), ring(AROUND + 4, 2) + [60]), "'Target' branch at 1 vertices: 40"),
+        ((ring(AROUND, 4), ring(AROUND + 4, 2) + [60]), "'Target' branch at 1 vertex: 40"),
         ((ring(AROUND, 4), ring(AROUND + 4, 2)[:5]), "'Source' form a loop, those of 'Target' a path"),
         ((ring(AROUND, 3), ring(AROUND + 4, 2)), "Curves 'Curve 1' and 'Curve 2' are the same on the source"),
     ):

@@ -78,5 +78,5 @@ def test_modes_that_do_not_fit_the_source_are_refused(data):
         lissom.fit_correspondence(source, target, modes=modes)
     assert error.value.indices == [2]
     for wrong in (modes[0], modes[..., :2]):
-        with pytest.raises(ValueError, match=r"modes: expected shape \(n, n, 3\)"):
+        with pytest.raises(ValueError, match=r"modes: expected shape \(n, m, 3\)"):
             lissom.fit_correspondence(source, target, modes=wrong)

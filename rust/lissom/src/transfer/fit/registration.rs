@@ -81,6 +81,8 @@ const BOTH_SIDES: f64 = 0.7;
 /// mouth may be pulled tight while it is still beside the target's.
 const SETTLED: f64 = 3e-4;
 const MOST_ROUNDS: usize = 2;
+/// So many lead everywhere, and further rounds would change next to nothing.
+const LED: usize = 13;
 
 /// The mean of a plane's weights over the directions, times this, is the metric: measured, 0.9 converges fastest.
 const METRIC: f64 = 0.9;
@@ -213,6 +215,7 @@ impl<'a> Part<'a> {
             false => (options.marker_tolerance / scatter.max(LEAST_SCATTER)).max(1.0),
         };
         let mut look_up = LookUp::new(source, target, options.match_distance);
+        let are_led = markers.iter().filter(|m| !m.is_of_curve()).count() >= LED;
         let total = options.steps * options.rounds;
         let mut surface = None;
         let mut made = 0;
@@ -228,8 +231,9 @@ impl<'a> Part<'a> {
             }
             let mut descent = None;
             let both_sides = fraction >= BOTH_SIDES;
+            let most = if both_sides || are_led { 1 } else { MOST_ROUNDS };
             let mut before = u[..n].to_vec();
-            for round in 0..options.rounds * if both_sides { 1 } else { MOST_ROUNDS } {
+            for round in 0..options.rounds * most {
                 if round >= options.rounds && moved(&before, u) < SETTLED {
                     break;
                 }
