@@ -30,7 +30,7 @@ def offsets(key):
     return shape_keys.shape(key) - shape_keys.shape(key.relative_key)
 
 
-def is_edited(row, mesh, key):
-    """Whether a key's offsets are others than those kept of it, of as many vertices."""
+def is_edited(key, written):
+    """Whether a key's offsets are others than those (n, 3) that were written."""
     largest = np.abs(shape_keys.shape(key)).max(initial=0.0)
-    return corrections.differs(offsets(key), kept(row, mesh), largest)
+    return corrections.differs(offsets(key), written, largest)

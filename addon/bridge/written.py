@@ -55,7 +55,7 @@ class Written:
             return "FOREIGN"
         if not self.knows(name):
             return "UNKNOWN"
-        edited = is_edited(self._row(name), self._obj.data, self._keys.key_blocks[name])
+        edited = is_edited(self._keys.key_blocks[name], self.written(name))
         return "EDITED" if edited else "WRITTEN"
 
     def knows(self, name):

@@ -18,13 +18,12 @@ class ArcCorrections:
         self._same, mesh = (arc.start, arc.end) == ends, obj.data
         self._before = arc.end
         blocks = mesh.shape_keys.key_blocks
-        there = [row for row in arc.keys if row.name in blocks and row.offsets]
-        there = [row for row in there if len(kept.kept(row, mesh)) == len(mesh.vertices)]
-        self._knots = np.union1d([0.0], [row.time for row in there])
-        for row in there:
+        there = [(row, kept.kept(row, mesh)) for row in arc.keys if row.name in blocks and row.offsets]
+        there = [(row, written) for row, written in there if len(written) == len(mesh.vertices)]
+        self._knots = np.union1d([0.0], [row.time for row, _ in there])
+        for row, written in there:
             key = blocks[row.name]
-            if kept.is_edited(row, mesh, key):
-                written = kept.kept(row, mesh)
+            if kept.is_edited(key, written):
                 place = int(np.searchsorted(self._knots, row.time))
                 base = shape_keys.shape(key.relative_key)
                 self._found[place] = row.name, kept.offsets(key) - written, base + written

@@ -35,7 +35,8 @@ def is_edited(obj, name):
     """Whether a key was edited since a transfer wrote it; remembered until some mesh changes."""
     known = session.edited.setdefault(obj.session_uid, {})
     if name not in known:
-        known[name] = Written(obj).state(name) == "EDITED"
+        written = Written(obj)  # looks at the whole mesh: once for all keys
+        known |= {one: written.state(one) == "EDITED" for one in [name, *shape_keys.key_names(obj)]}
     return known[name]
 
 

@@ -96,7 +96,8 @@ class _Job:
         if not made:
             raise Refused(f"'{obj.name}' has all of these keys, and If Exists is Skip: nothing to do")
         if self._asked.edited == "KEEP":
-            self._edited = [name for name in made.values() if name in keys and _is_edited(obj, name)]
+            known = [Written(obj, kind) for kind in ("lissom_written", "lissom_made")]
+            self._edited = [name for name in made.values() if name in keys and _is_edited(known, name)]
             made = {place: name for place, name in made.items() if name not in self._edited}
         found = [keys[name] for name in made.values() if name in keys]
         for key in found:
@@ -131,9 +132,9 @@ class _Job:
         return SidesDone(summary=told, warnings=warnings, written=written, away=away)
 
 
-def _is_edited(obj, name):
-    """Whether a key is neither as a transfer has written it nor as it was made of others."""
-    states = [Written(obj, kind).state(name) for kind in ("lissom_written", "lissom_made")]
+def _is_edited(known, name):
+    """Whether a key is neither as a transfer has written it nor as it was made of others, by both Written."""
+    states = [written.state(name) for written in known]
     return "WRITTEN" not in states and states != ["FOREIGN", "FOREIGN"]
 
 
