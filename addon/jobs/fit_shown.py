@@ -49,9 +49,10 @@ def hide(context):
 
 def put_right():
     """After undo and redo: views show the colours where these are there, else what they showed before."""
-    if coloured():
+    there = bool(coloured())
+    if there and not session.shadings:  # else the artist may have chosen another shading since
         _shade()
-    elif session.shadings:
+    elif session.shadings and not there:
         hide(bpy.context)
 
 
