@@ -1,7 +1,7 @@
 //! Descent: conjugate gradients in the metric of a factor that the three axes share.
 //!
 //! Planes couple the axes: the system with them is three times as large, and its factor ten times as costly. The
-//! uncoupled one with the mean of each plane's weights is near enough to it for one step a look-up, and the direction
+//! uncoupled one with the mean of each plane's weights is near enough to it for a few steps a look-up, and the direction
 //! carries over from one to the next (Polak & Ribière 1969, with the restart of Powell 1977): the pulls change less
 //! than they would be met.
 

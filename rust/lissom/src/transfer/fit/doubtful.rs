@@ -26,6 +26,10 @@ const AROUND: usize = 20;
 /// Smoothing, in unit coordinates: markers are a little off anyway.
 const SMOOTHING: f64 = 0.01;
 
+/// Markers that are too few to tell are off by so many times less than the tolerance: what they say weighs more, since
+/// surfaces far from all of them slide.
+const PLACED: f64 = 4.0;
+
 /// A marker is doubtful from so many times the tolerance on, ...
 const TOLERANCES: f64 = 3.0;
 
@@ -64,14 +68,14 @@ pub struct Doubts {
     /// The doubtful ones, and how far each is from where it is expected, in unit coordinates.
     pub markers: Vec<(usize, f64)>,
     /// How far the others are off at the median, in unit coordinates: of exact markers what differs from face to face,
-    /// of others how exactly they were placed. The tolerance where they are too few to tell.
+    /// of others how exactly they were placed. A part of the tolerance where they are too few to tell.
     pub scatter: f64,
 }
 
 /// Which of `markers`, places of the source and where these belong, are doubtful, for a tolerance in unit coordinates.
 pub fn doubtful(markers: &[(Vec3, Vec3)], tolerance: f64) -> Doubts {
     let mut kept: Vec<usize> = (0..markers.len()).collect();
-    let (mut found, mut scatter) = (Vec::new(), tolerance);
+    let (mut found, mut scatter) = (Vec::new(), tolerance / PLACED);
     let most = MOST * markers.len() as f64;
     while kept.len() >= FEWEST_EXCHANGED && (found.len() as f64) < most {
         let Some(pair) = exchanged(markers, &kept, tolerance.max(LEAST)) else { break };

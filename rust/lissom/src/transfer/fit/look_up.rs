@@ -19,7 +19,7 @@ use crate::{Job, Result, Vec3};
 const FADING: f64 = 0.25;
 
 /// Weight across the normal, a fraction of that along it: enough to settle what else could slide for ever.
-const ACROSS: f64 = 0.02;
+const ACROSS: f64 = 0.005;
 
 /// Distances that make no difference between what is nearer, in unit coordinates.
 const NEAR: f64 = 0.002;

@@ -108,8 +108,13 @@ impl Marked {
             doubts.markers = (0..places.len()).map(off).filter(|&(_, off)| off > ELSEWHERE).collect();
         }
         let kept = |i: usize| tolerance == 0.0 || doubts.markers.iter().all(|d| d.0 != i);
-        let trusted: Vec<_> = (0..places.len()).filter(|&i| kept(i)).map(|i| places[i]).collect();
-        let open = markers::left_open(&trusted);
+        let mut trusted: Vec<_> = (0..found.len()).filter(|&i| kept(i)).map(|i| places[i]).collect();
+        let mut open = markers::left_open(&trusted);
+        if open.is_some() {
+            // What markers leave open curves tell; what they do not, a curve that is cut short may tell wrong.
+            trusted.extend((found.len()..places.len()).filter(|&i| kept(i)).map(|i| places[i]));
+            open = markers::left_open(&trusted);
+        }
         let mut lie = match by_shapes.filter(|_| open.is_some()) {
             Some(found) => without_markers(&found, source, tolerance, warnings)?,
             None => {

@@ -9,8 +9,8 @@
 //! less exact than the surface (Sumner & Popović 2004 keep them exact, and [`FitOptions::marker_tolerance`] 0 does). In
 //! the end a marker counts by how near the fit has come to it, `mu = (1 + (|x - c| / s)^2)^-2` with a fraction `s`
 //! of the tolerance (Geman & McClure 1987): one that is exact holds, one that is off lets go. How exactly they were
-//! placed they say themselves, by their scatter ([`super::doubtful`]): where that is below the tolerance, `w_M` and `s` are
-//! as many times larger.
+//! placed they say themselves, by their scatter ([`super::doubtful`]): where that is below the tolerance, `w_M` grows as its
+//! square falls, as in least squares of unequal precision (Gauss 1823).
 //!
 //! Where it is so far above the tolerance that this does not explain it, the shapes differ by that much, as a cartoon's
 //! do: the markers are trusted, and `E_I` holds against the step before in the place of rest, as a viscous fluid does
@@ -42,11 +42,14 @@ const DIAGONAL_SQUARED: f64 = 100.0;
 /// `w_M` while `w_C = 0`; ...
 const MARKED: f64 = 1e4;
 
-/// ... what it falls from, to 0 by the last step but one, with a square; ...
-const FALLING: f64 = 1e3;
+/// ... what it falls from, to 0 by the last step but one, with a square, for markers that are off by the tolerance; ...
+const FALLING: f64 = 30.0;
 
 /// ... and in the end, times `mu`.
-const KEPT: f64 = 2e3;
+const KEPT: f64 = 200.0;
+
+/// So many times as much for what is on a curve, which is known better than a point.
+const OF_CURVE: f64 = 10.0;
 
 /// `s`, in tolerances.
 const KEPT_WITHIN: f64 = 0.15;
@@ -69,12 +72,17 @@ const SOLVES: usize = 8;
 /// Reach of the closest points, as fractions of the target's diagonal: at the first step and at the last ...
 const REACH: [f64; 2] = [0.1, 0.02];
 
-/// ... but not below so many times what a quarter of the vertices is off by at most.
+/// ... but not below so many times what a quarter of the vertices is off by at most; no counterpart is further away than
+/// this.
 const QUARTILES: f64 = 4.0;
+const FARTHEST: f64 = 0.5;
 
 /// From this fraction of the steps on, closest points are looked up from both sides, and of the whole source; before, a
 /// coarse one will do.
 const BOTH_SIDES: f64 = 0.7;
+
+/// Steps of the descent a look-up: with one the surface creeps, and keeps to where markers that are off have led it.
+const STEPS: usize = 3;
 
 /// Until then more rounds are made while the last one has moved vertices by more than this at the root mean square, in the
 /// target's unit coordinates, up to so many times as many: what few markers leave to the surfaces takes longer, and a
@@ -210,12 +218,13 @@ impl<'a> Part<'a> {
         let (n, scatter) = (source.mesh.vertices().len(), self.lie.scatter);
         let exact = options.marker_tolerance == 0.0;
         let other_proportions = (EXPLAINED * options.marker_tolerance..PROPORTIONS).contains(&scatter);
+        let are_led = markers.iter().filter(|m| !m.is_of_curve()).count() >= LED;
         let trust = match other_proportions {
             true => TRUSTED,
             false => (options.marker_tolerance / scatter.max(LEAST_SCATTER)).max(1.0),
         };
+        let within = KEPT_WITHIN * options.marker_tolerance * if other_proportions { TRUSTED } else { 1.0 };
         let mut look_up = LookUp::new(source, target, options.match_distance);
-        let are_led = markers.iter().filter(|m| !m.is_of_curve()).count() >= LED;
         let total = options.steps * options.rounds;
         let mut surface = None;
         let mut made = 0;
@@ -223,7 +232,7 @@ impl<'a> Part<'a> {
             let fraction = options.share_of(step);
             let pull = self.stands_for * options.closest.powf(fraction);
             let off = look_up.find_partners(&u[..n], job)?;
-            let reach = (REACH[0] * (REACH[1] / REACH[0]).powf(fraction)).max(QUARTILES * off);
+            let reach = (REACH[0] * (REACH[1] / REACH[0]).powf(fraction)).max(QUARTILES * off).min(FARTHEST);
             let left = 1.0 - step as f64 / (options.steps.max(3) - 2) as f64;
             let falling = FALLING * left.max(0.0).powi(2);
             if other_proportions {
@@ -246,9 +255,10 @@ impl<'a> Part<'a> {
                 }
                 surface = Some(placed.surface);
                 pulls.extend(markers.iter().map(|m| {
-                    let within = KEPT_WITHIN * options.marker_tolerance * trust;
-                    let kept = KEPT * trust * m.share(u, within);
-                    m.pull(if exact { EXACT } else { falling.max(kept) } * DIAGONAL_SQUARED)
+                    let kept = KEPT * m.share(u, within);
+                    let weight =
+                        trust.powi(2) * falling.max(kept) * if m.is_of_curve() { OF_CURVE } else { 1.0 };
+                    m.pull(if exact { EXACT } else { weight } * DIAGONAL_SQUARED)
                 }));
                 if descent.is_none() {
                     let mut metric = pulls::uncoupled(&pulls, n);
@@ -256,7 +266,7 @@ impl<'a> Part<'a> {
                     descent = Some(Descent::new(energy, energy.factor(&metric)?));
                 }
                 job.check()?;
-                descent.iter_mut().for_each(|descent| descent.go(&pulls, u, 1));
+                descent.iter_mut().for_each(|descent| descent.go(&pulls, u, STEPS));
                 let done = step * options.rounds + (round + 1).min(options.rounds);
                 let Range { start, end } = *self.progress;
                 job.report(start + (end - start) * done as f64 / total as f64, "fit");
