@@ -5,7 +5,7 @@ import bpy
 from ..core.refused import Refused
 from . import shape_keys
 
-STRETCH = 1000  # of the time axis of a driver's curve
+SPAN = 1000  # of the time axis of a driver's curve
 
 
 def data_path(slider):
@@ -51,14 +51,14 @@ def drive(block, path, obj, slider, corners):
     for point, corner in zip(curve.keyframe_points, corners, strict=True):
         point.interpolation = "BEZIER"
         point.handle_left_type = point.handle_right_type = "FREE"
-        point.co, point.handle_left, point.handle_right = ((STRETCH * t, value) for t, value in corner)
+        point.co, point.handle_left, point.handle_right = ((SPAN * t, value) for t, value in corner)
     curve.extrapolation = "CONSTANT"
     curve.update()
     driver = curve.driver
     driver.type = "SCRIPTED"
     variable = driver.variables.new()
     variable.name = "slider"
-    driver.expression = f"{STRETCH} * slider"
+    driver.expression = f"{SPAN} * slider"
     variable.targets[0].id = obj
     variable.targets[0].data_path = data_path(slider)
 

@@ -32,6 +32,6 @@ def of_fit(fit, triangles, diagonal, limit):
     ``triangles`` (m, 3) are the source's; ``limit`` is a fraction of the target's ``diagonal``.
     """
     source = of_distances(fit.distances, limit * diagonal)
-    wrong = np.union1d(fit.flipped, np.flatnonzero(fit.stretch > TORN))
+    wrong = np.union1d(fit.flipped, np.flatnonzero(fit.distortion > TORN))
     source[triangles[wrong].ravel(), :3] = WRONG
     return source, of_distances(fit.image_distances, limit * diagonal)

@@ -16,7 +16,7 @@ from .work import Work
 # With what lies behind lids and lips: a head's own would else be matched with these, and hold them.
 SOURCE = ("face", "head_and_neck", "mouth_socket", "eye_sockets")
 CORNERS = [48, 54]  # of the mouth
-STRETCHED = 2.9  # times their length edges of a head that is no person's get at most: 3 is a spike
+LONGEST = 2.9  # times their length edges of a head that is no person's get at most: 3 is a spike
 ROUNDS = 5  # in which lids come in front of the eyeballs, and what that has stretched is shared
 
 
@@ -126,14 +126,14 @@ def _untorn(target, located, head, offsets, balls):
             for centre, radius in balls:
                 found[row] = face_lids.outside(vertices, triangles, found[row], centre, radius)
         shapes = vertices + found[left]
-        limited = yield target.start_limit_stretch(shapes, STRETCHED, held)
+        limited = yield target.start_limit_stretch(shapes, LONGEST, held)
         changed = (limited != shapes).any(axis=(1, 2))
         left = left[changed]
         found[left] = limited[changed] - vertices
         if not len(left):
             break
     # What is left are edges of the rims themselves, in keys that do not close.
-    return (yield target.start_limit_stretch(vertices + found, STRETCHED)) - vertices
+    return (yield target.start_limit_stretch(vertices + found, LONGEST)) - vertices
 
 
 class _Known:

@@ -75,7 +75,7 @@ def _folded(fit, side):
 
 
 def _torn(fit, side):
-    region = side.piece(side.triangles[fit.stretch > TORN])
+    region = side.piece(side.triangles[fit.distortion > TORN])
     if region is None or side.part(region) < TORN_PART:
         return None
     line = f"The source is torn {side.where(region)}: mark places on either side of it"

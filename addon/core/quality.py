@@ -23,7 +23,7 @@ MEASURES = {
         "Gap", "How much wider apart they are than on the source, in percent of the target's size"
     ),
     "closing": Measure("Closing", "What part of the way they come together", 1.0),
-    "strength": Measure("Strength", "Motion over that of the source, as Scale has it", 1.0),
+    "amplitude": Measure("Amplitude", "Motion over that of the source, as Scale has it", 1.0),
     "crooked": Measure("Crooked", "Difference of left and right where there is none on the source"),
     "covered": Measure(
         "Covered", "What part of what moves on the source has a counterpart on the target", 1.0
@@ -55,9 +55,9 @@ ORDERS = {
         lambda row: f"{row.contact_gap:.2f} % apart",
         "Lids and lips that stay apart",
     ),
-    "strength": (
-        lambda row: abs(row.strength - 1),
-        lambda row: f"{100 * row.strength:.0f} % as far",
+    "amplitude": (
+        lambda row: abs(row.amplitude - 1),
+        lambda row: f"{100 * row.amplitude:.0f} % as far",
         "Motions that are lost or exaggerated",
     ),
     "residual": (

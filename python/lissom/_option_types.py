@@ -64,7 +64,7 @@ class PoseOptions(TypedDict, total=False):
     cells: Literal["spokes_and_rims", "spokes"]
     """The edges around a vertex that are kept rigid together."""
     rotation_smoothing: float
-    """How much neighbours must turn alike: more spreads a bend over a longer stretch, 0 creases."""
+    """How much neighbours must turn alike: more spreads a bend further along, 0 creases."""
     smoothness: float
     """How much curvature counts against lengths: 0.1 takes the spike off a single moved vertex."""
     estimate: float

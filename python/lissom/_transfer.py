@@ -32,7 +32,7 @@ class FitReport(Report):
     """Their largest, in percent of the target's diagonal."""
     flipped_triangles: int
     """Fitted triangles that face against the target where they lie."""
-    stretched_triangles: int
+    distorted_triangles: int
     """Fitted triangles three times as long as the usual one, or a third as wide."""
     unmatched_source_triangles: int
     """Source triangles without a match."""
@@ -75,7 +75,7 @@ class Fit:
     """(n_source,) from the fitted vertices to the target, in its units, NaN where nothing faces them."""
     image_distances: NDArray[np.float64]
     """(n_target,) from the target's vertices to their images, in its units, NaN where there is none."""
-    stretch: NDArray[np.float64]
+    distortion: NDArray[np.float64]
     """(m_source,) how much longer or narrower than the usual one each fitted triangle is, at least 1."""
     flipped: NDArray[np.int64]
     """(f,) the source triangles that face against the target."""
@@ -110,11 +110,11 @@ class Fit:
     ) -> tuple[int, int] | None:
         """Where one more marker helps most: a source vertex, and the target vertex to correct by eye.
 
-        That is where the fit has stretched the source most, far from ``markers`` (k, 2), among the components
+        That is where the fit has distorted the source most, far from ``markers`` (k, 2), among the components
         that bear some; None where every vertex has one. Vertices of the masks are none that are proposed.
         Raises InvalidConstraint for indices out of range.
         """
-        fitted = self.fitted_vertices, self.distances, self.stretch
+        fitted = self.fitted_vertices, self.distances, self.distortion
         found = self._core.next_marker(fitted, markers, (source_mask, target_mask))
         return None if found is None else (int(found[0]), int(found[1]))
 
@@ -201,7 +201,7 @@ class Quality(Report):
     """(k,) how much wider than on the source their mean distance is, in percent of the target's diagonal."""
     closing: NDArray[np.float64]
     """(k,) what part of the way they come together; 1 where there are none."""
-    strength: NDArray[np.float64]
+    amplitude: NDArray[np.float64]
     """(k,) motion over that of the source, scaled as the transfer does; 1 where nothing is seen to move."""
     crooked: NDArray[np.float64]
     """(k,) difference of left and right over the motion, where both meshes and the source's shape are

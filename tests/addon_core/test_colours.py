@@ -13,7 +13,7 @@ def test_every_state_has_its_colour():
         distances=np.array([0, 0.05, 0.1, 7, np.nan]),
         image_distances=np.array([np.nan, 0.0]),
         flipped=[1],
-        stretch=np.ones(2),
+        distortion=np.ones(2),
     )
     source, target = of_fit(fit, TRIANGLES, diagonal=10.0, limit=0.01)
     assert np.allclose(source[:2, :3], [GOOD, DOUBTFUL])
@@ -23,6 +23,6 @@ def test_every_state_has_its_colour():
     fit.flipped = np.zeros(0, int)
     source, _ = of_fit(fit, TRIANGLES, diagonal=10.0, limit=0.01)
     assert np.allclose(source[2:, :3], [BAD, BAD, UNMATCHED])
-    fit.stretch[1] = 9.0
+    fit.distortion[1] = 9.0
     source, _ = of_fit(fit, TRIANGLES, diagonal=10.0, limit=0.01)
     assert np.allclose(source[2:, :3], WRONG)

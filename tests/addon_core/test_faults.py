@@ -25,7 +25,7 @@ def sheet(**changed):
     """A fit of the sheet onto itself in which all is well but what is ``changed``."""
     well = {
         "flipped": np.zeros(0, dtype=int),
-        "stretch": np.ones(len(FACES)),
+        "distortion": np.ones(len(FACES)),
         "distances": np.zeros(len(GRID)),
         "image_distances": np.zeros(len(GRID)),
     }
@@ -43,13 +43,13 @@ def test_a_good_fit_has_none():
 @pytest.mark.parametrize("kind", ["folded", "torn", "uncovered", "off"])
 def test_each_fault_is_found_with_its_place(kind):
     region = around(0.6, 0.6, 0.4)
-    stretch, apart = np.ones(len(FACES)), np.zeros(len(GRID))
-    stretch[region] = 9.0
+    distortion, apart = np.ones(len(FACES)), np.zeros(len(GRID))
+    distortion[region] = 9.0
     apart[FACES[region]] = 1.0 - np.linalg.norm(GRID - 0.6, axis=1)[FACES[region]]
     bare = np.where(apart > 0, np.nan, 0.0)
     changed = {
         "folded": {"flipped": region},
-        "torn": {"stretch": stretch},
+        "torn": {"distortion": distortion},
         "uncovered": {"image_distances": bare},
         "off": {"distances": apart},
     }
@@ -62,17 +62,17 @@ def test_each_fault_is_found_with_its_place(kind):
         assert found(sheet(image_distances=bare), masked=np.unique(FACES[region])) == []
 
 
-def test_a_few_stretched_faces_are_no_tear():
+def test_a_few_distorted_faces_are_no_tear():
     """Of a sheet ten times as fine in either direction a single face is."""
-    stretch = np.ones(len(FACES))
-    stretch[100] = 9.0
-    (fault,) = found(sheet(stretch=stretch))
+    distortion = np.ones(len(FACES))
+    distortion[100] = 9.0
+    (fault,) = found(sheet(distortion=distortion))
     assert fault.kind == "torn"
     many = np.concatenate([FACES + len(PLANE) * number for number in range(9)])
     wide = np.concatenate([PLANE + [3 * number, 0, 0] for number in range(9)])
     side = faults.Side(wide, many, [], [])
     fit = sheet(
-        stretch=np.tile(np.where(np.arange(len(FACES)) == 100, 9.0, 1.0), 9), distances=np.zeros(len(wide))
+        distortion=np.tile(np.where(np.arange(len(FACES)) == 100, 9.0, 1.0), 9), distances=np.zeros(len(wide))
     )
     assert faults.of_fit(fit, side, SHEET, 0.05, 2.8) == []
 

@@ -17,9 +17,9 @@ def row(name, verdict="good", reasons="", faces="", **measures):
 ROWS = [
     row("fine"),
     row("rough", residual=0.2),
-    row("weak", "look", "moves only 50 % as far as on the source", strength=0.5),
+    row("weak", "look", "moves only 50 % as far as on the source", amplitude=0.5),
     row("bad", "bad", "12 triangles turned over\n3 triangles torn", flipped_triangles=12, torn_triangles=3),
-    row("strong", "look", "moves 140 % as far as on the source", strength=1.4, residual=0.1),
+    row("strong", "look", "moves 140 % as far as on the source", amplitude=1.4, residual=0.1),
 ]
 
 
@@ -38,7 +38,7 @@ def order(by):
 
 def test_the_worst_come_first():
     assert order("verdict") == ["bad", "strong", "weak", "rough", "fine"]
-    assert order("strength")[:2] == ["weak", "strong"]
+    assert order("amplitude")[:2] == ["weak", "strong"]
     assert order("flipped_triangles")[0] == "bad"
     assert badness(row("bare", covered=0.4), "covered") > badness(ROWS[0], "covered")
     for name, (_, told, _) in ORDERS.items():

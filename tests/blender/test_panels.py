@@ -405,7 +405,7 @@ def test_the_table_of_quality_tells_verdicts_and_reasons(panels, monkeypatch):
         settings.quality_order = order
         for row in settings.quality:
             assert draw(kind, settings, row, 0, None, "")["labels"][0] == row.name
-    settings.quality_order = "strength"
+    settings.quality_order = "amplitude"
     common = importlib.import_module("bl_ext.user_default.lissom.panels.common")
     monkeypatch.setattr(common, "_width", lambda text: 7 * len(text))  # Blender as a module has no font
     monkeypatch.setattr(common, "_scale", lambda: 1.0)

@@ -186,7 +186,7 @@ def test_the_quality_of_every_key_is_listed_and_saved(tmp_path):
     bpy.ops.lissom.transfer_keys(exists="RENAME")
     assert [row.name for row in settings.quality] == ["squash.001", "ears.001", "look.001", "nothing.001"]
     squash, ears, _, nothing = settings.quality
-    assert 0.9 < squash.strength < 1.1 and 0.9 < ears.strength < 1.1
+    assert 0.9 < squash.amplitude < 1.1 and 0.9 < ears.amplitude < 1.1
     assert squash.motion > ears.motion / 10 > 0
     assert nothing.verdict == "good" and nothing.residual == nothing.motion == 0
     bpy.ops.lissom.quality_save(filepath=str(tmp_path / "quality.json"))
@@ -195,7 +195,7 @@ def test_the_quality_of_every_key_is_listed_and_saved(tmp_path):
     assert len(rows) == 4 and ranks == sorted(ranks, reverse=True)
     assert rows[-1] == {
         "name": "nothing.001", "verdict": "good", "reasons": [], "faces": {}, "flipped_triangles": 0,
-        "torn_triangles": 0, "contacts": 0, "contact_gap": 0.0, "closing": 1.0, "strength": 1.0,
+        "torn_triangles": 0, "contacts": 0, "contact_gap": 0.0, "closing": 1.0, "amplitude": 1.0,
         "crooked": 0.0, "covered": 1.0, "motion": 0.0, "residual": 0.0,
     }  # fmt: skip
     settings.active_quality = 2

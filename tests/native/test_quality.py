@@ -11,7 +11,7 @@ KEYS = np.array([VERTICES + size * np.sin(2 * VERTICES[:, [1, 2, 0]]) for size i
 UPPER = [49, 50, 51, 52, 53, 61, 62, 63, 37, 38, 43, 44]  # landmarks of lips and lids
 LOWER = [55, 56, 57, 58, 59, 65, 66, 67, 40, 41, 46, 47]
 FACE = 9409  # vertices of the face come first
-NUMBERS = {"flipped_triangles", "torn_triangles", "contacts", "contact_gap", "closing", "strength"}
+NUMBERS = {"flipped_triangles", "torn_triangles", "contacts", "contact_gap", "closing", "amplitude"}
 NUMBERS |= {"crooked", "covered", "motion", "residual"}
 
 
@@ -29,7 +29,7 @@ def test_a_transfer_onto_itself_has_nothing_to_say():
     assert all(len(faces) == 0 and faces.dtype == np.int64 for faces in quality.faces)
     assert quality.residual.shape == (2,) and quality.residual.max() < 1e-6
     assert not quality.flipped_triangles.any() and not quality.torn_triangles.any()
-    assert np.allclose(quality.strength, 1) and (quality.closing == 1).all() and (quality.covered == 1).all()
+    assert np.allclose(quality.amplitude, 1) and (quality.closing == 1).all() and (quality.covered == 1).all()
     motion = np.linalg.norm(KEYS - VERTICES, axis=2).max(axis=1)
     assert np.allclose(quality.motion, 100 * motion / diagonal(VERTICES))
 
@@ -38,9 +38,9 @@ def test_row_31_a_key_that_moves_nothing_is_good():
     transfer = itself()
     quality = transfer.quality(VERTICES[None], transfer.apply(VERTICES[None]).vertices)
     assert (
-        quality.verdict == ["good"] and quality.strength[0] == quality.closing[0] == quality.covered[0] == 1
+        quality.verdict == ["good"] and quality.amplitude[0] == quality.closing[0] == quality.covered[0] == 1
     )
-    assert not any(quality[name].any() for name in NUMBERS - {"strength", "closing", "covered"})
+    assert not any(quality[name].any() for name in NUMBERS - {"amplitude", "closing", "covered"})
 
 
 def turned(rest, pose, patch):
@@ -96,17 +96,17 @@ def test_a_key_with_a_part_of_its_motion(part, verdict, text):
     transfer = itself()
     good = transfer.apply(KEYS[:1]).vertices
     quality = transfer.quality(KEYS[:1], VERTICES + part * (good - VERTICES))
-    assert np.isclose(quality.strength[0], part)
+    assert np.isclose(quality.amplitude[0], part)
     assert quality.verdict == [verdict] and quality.reasons == [[text] if text else []]
 
 
-@pytest.mark.parametrize(("scale", "strength"), [("target", 1), ("source", 1)])
-def test_strength_counts_from_the_scale_that_was_asked_for(scale, strength):
+@pytest.mark.parametrize(("scale", "amplitude"), [("target", 1), ("source", 1)])
+def test_amplitude_counts_from_the_scale_that_was_asked_for(scale, amplitude):
     source, target = lissom.Mesh(VERTICES, FACES), lissom.Mesh(3 * VERTICES, FACES)
     fit = lissom.fit_correspondence(source, target, np.zeros((0, 2), int))
     transfer = lissom.Transfer(source, target, fit, scale=scale)
     quality = transfer.quality(KEYS, transfer.apply(KEYS).vertices)
-    assert np.allclose(quality.strength, strength) and quality.verdict == ["good", "good"]
+    assert np.allclose(quality.amplitude, amplitude) and quality.verdict == ["good", "good"]
 
 
 def test_a_torn_triangle_is_named():
@@ -199,9 +199,9 @@ def test_a_fit_says_how_good_it_is_where():
         in_plane(fit.fitted_vertices) @ np.linalg.inv(in_plane(VERTICES)), compute_uv=False
     )
     usual = np.median(np.sqrt(singular.prod(axis=1)))
-    assert np.allclose(fit.stretch, np.maximum(singular[:, 0] / usual, usual / singular[:, 1]), rtol=0.01)
-    assert fit.report["stretched_triangles"] > 100
-    assert fit.report["stretched_triangles"] == (fit.stretch > 3).sum()
+    assert np.allclose(fit.distortion, np.maximum(singular[:, 0] / usual, usual / singular[:, 1]), rtol=0.01)
+    assert fit.report["distorted_triangles"] > 100
+    assert fit.report["distorted_triangles"] == (fit.distortion > 3).sum()
     assert fit.report["flipped_triangles"] == len(fit.flipped)
 
 

@@ -4,12 +4,12 @@
 mod arrays;
 mod errors;
 mod geometry;
-mod image;
 mod inbetween;
 mod job;
 mod learn;
 mod mesh;
 mod options;
+mod picture;
 mod pose;
 mod transfer;
 
@@ -44,7 +44,7 @@ fn native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(learn::start_learn, module)?)?;
     module.add_function(wrap_pyfunction!(inbetween::start_inbetween, module)?)?;
     module.add_function(wrap_pyfunction!(inbetween::start_blend, module)?)?;
-    module.add_function(wrap_pyfunction!(image::start_image_mesh, module)?)?;
+    module.add_function(wrap_pyfunction!(picture::start_image_mesh, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::rotation_vectors, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::nearest_rotations, module)?)?;
     module.add_function(wrap_pyfunction!(geometry::components, module)?)?;

@@ -1,8 +1,8 @@
 //! Options: what the core says of each, and what Python gives them.
 
-use lissom::image::ImageMeshOptions;
 use lissom::inbetween::{BlendOptions, InbetweenOptions};
 use lissom::options::{Kind, OptionSet, Spec, Value};
+use lissom::picture::PictureMeshOptions;
 use lissom::pose::{CommonOptions, METHODS, MethodOptions, SolveOptions};
 use lissom::transfer::{FitOptions, LearnOptions, TransferOptions};
 use lissom::{Error, Fault};
@@ -27,7 +27,7 @@ fn owners() -> PyResult<Vec<(String, Vec<Spec>)>> {
     owners.push(("learn".to_owned(), LearnOptions::default().own()));
     owners.push(("inbetween".to_owned(), InbetweenOptions::default().own()));
     owners.push(("blend".to_owned(), BlendOptions::default().own()));
-    owners.push(("image_mesh".to_owned(), ImageMeshOptions::default().own()));
+    owners.push(("image_mesh".to_owned(), PictureMeshOptions::default().own()));
     Ok(owners)
 }
 

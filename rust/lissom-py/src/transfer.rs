@@ -34,7 +34,7 @@ impl PyFit {
         let fitted = Fitted {
             vertices: arrays::points("fitted_vertices", &fitted[0])?,
             distances: arrays::numbers("distances", &fitted[1])?,
-            stretch: arrays::numbers("stretch", &fitted[2])?,
+            distortion: arrays::numbers("distortion", &fitted[2])?,
         };
         let markers = arrays::pairs("markers", markers)?;
         let source_mask = arrays::vertex_list("source_mask", &masks[0])?;
@@ -78,7 +78,7 @@ fn fitted(py: Python<'_>, fit: Fit, meshes: [Arc<Mesh>; 2]) -> PyResult<Py<PyAny
     arrays.set_item("coefficients", arrays::from_numbers(py, fit.coefficients))?;
     arrays.set_item("distances", arrays::from_numbers(py, fit.distances))?;
     arrays.set_item("image_distances", arrays::from_numbers(py, fit.image_distances))?;
-    arrays.set_item("stretch", arrays::from_numbers(py, fit.stretch))?;
+    arrays.set_item("distortion", arrays::from_numbers(py, fit.distortion))?;
     arrays.set_item("marker_distances", arrays::from_numbers(py, fit.marker_distances))?;
     let doubtful = fit.doubtful_markers;
     let numbers = |doubtful: &[Doubtful]| {
@@ -103,7 +103,7 @@ fn fitted(py: Python<'_>, fit: Fit, meshes: [Arc<Mesh>; 2]) -> PyResult<Py<PyAny
     arrays.set_item("curve_warnings", warnings(of_curves.into_iter().flatten().collect()))?;
     arrays.set_item("flipped", arrays::from_integers(py, fit.flipped.into_iter().map(i64::from)))?;
     let report = fields!(py, fit.report; distance_mean, distance_max, distance_mean_percent,
-        distance_max_percent, flipped_triangles, stretched_triangles, unmatched_source_triangles,
+        distance_max_percent, flipped_triangles, distorted_triangles, unmatched_source_triangles,
         unmatched_target_triangles, unmatched_source_percent, unmatched_target_percent, certainty, rounds, seconds,
         warnings);
     let own = Py::new(py, PyFit { matches: fit.matches, meshes })?;
@@ -208,7 +208,7 @@ fn qualities(py: Python<'_>, keys: Vec<KeyQuality>) -> PyResult<Py<PyAny>> {
     dict.set_item("contacts", counts(|key| key.contacts))?;
     dict.set_item("contact_gap", numbers(|key| key.contact_gap))?;
     dict.set_item("closing", numbers(|key| key.closing))?;
-    dict.set_item("strength", numbers(|key| key.strength))?;
+    dict.set_item("amplitude", numbers(|key| key.amplitude))?;
     dict.set_item("crooked", numbers(|key| key.crooked))?;
     dict.set_item("covered", numbers(|key| key.covered))?;
     dict.set_item("motion", numbers(|key| key.motion))?;

@@ -44,14 +44,13 @@
 //! From the ground up: [`matrix`] and [`rotation`] are the algebra of 3 x 3 matrices, [`geometry`] what is true of
 //! points and triangles, whatever mesh they belong to. [`mesh`] (validated once), completed by its mirror images ([`symmetry`]), feeds [`operators`]; [`linear`] holds
 //! constraints and the factorization; [`stitch`] joins the two; [`pose`], [`transfer`] and [`inbetween`] choose, by
-//! their [`options`]. [`riding`] is how loose parts go with what they sit on, [`stretch`] keeps edges from growing long, [`image`] makes flat meshes of drawings.
+//! their [`options`]. [`riding`] is how loose parts go with what they sit on, [`strain_limits`] keep edges from growing long, [`picture`] makes flat meshes of drawings.
 //! [`job`] is progress and cancellation, [`memory`] refuses what does not fit.
 
 #![forbid(unsafe_code)]
 
 pub mod error;
 pub mod geometry;
-pub mod image;
 pub mod inbetween;
 pub mod job;
 pub mod linear;
@@ -60,11 +59,12 @@ pub mod memory;
 pub mod mesh;
 pub mod operators;
 pub mod options;
+pub mod picture;
 pub mod pose;
 pub mod riding;
 pub mod rotation;
 pub mod stitch;
-pub mod stretch;
+pub mod strain_limits;
 pub mod symmetry;
 pub mod transfer;
 

@@ -1,14 +1,14 @@
 //! Bodies: closed surfaces in which something may be, and how deep.
 
+use super::body::Body;
 use super::boxes::Boxes;
 use super::groups::Groups;
 use super::rows::Rows;
-use super::solid::Solid;
 use crate::Vec3;
 
 /// Bodies, each for itself: where they overlap, what is in any of them is inside.
 pub struct Bodies {
-    solids: Vec<Solid>,
+    all: Vec<Body>,
     boxes: Boxes,
 }
 
@@ -24,19 +24,19 @@ impl Bodies {
         for part in members.iter() {
             (0u32..).zip(part).for_each(|(k, &v)| place[v as usize] = k);
         }
-        let solid = |(part, own): (&[u32], &[[u32; 3]])| {
+        let body = |(part, own): (&[u32], &[[u32; 3]])| {
             let corners = own.iter().map(|t| t.map(|v| place[v as usize])).collect();
             let at: Vec<Vec3> = part.iter().map(|&v| vertices[v as usize]).collect();
-            Some((Solid::new(&at, corners)?, at))
+            Some((Body::new(&at, corners)?, at))
         };
-        let (solids, points): (Vec<Solid>, Vec<Vec<Vec3>>) =
-            members.iter().zip(of_part.iter()).filter_map(solid).unzip();
-        Self { solids, boxes: Boxes::around(points) }
+        let (all, points): (Vec<Body>, Vec<Vec<Vec3>>) =
+            members.iter().zip(of_part.iter()).filter_map(body).unzip();
+        Self { all, boxes: Boxes::around(points) }
     }
 
     /// How deep a point is in the body that it is deepest in, and the nearest point of that one's surface; `None` outside.
     pub fn deepest(&self, point: Vec3) -> Option<(f64, Vec3)> {
-        let depths = self.boxes.within(point, 0.0).into_iter().filter_map(|k| self.solids[k].depth(point));
+        let depths = self.boxes.within(point, 0.0).into_iter().filter_map(|k| self.all[k].depth(point));
         depths.max_by(|a, b| a.0.total_cmp(&b.0))
     }
 }
@@ -52,7 +52,7 @@ mod tests {
         let faces = [[0u32, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
         let triangles: Vec<[u32; 3]> = (0..2).flat_map(|k| faces.map(|t| t.map(|v| v + 4 * k))).collect();
         let bodies = Bodies::parts(&vertices, &triangles);
-        let depths = |p: Vec3| bodies.solids.iter().filter_map(move |s| s.depth(p)).map(|of| of.0);
+        let depths = |p: Vec3| bodies.all.iter().filter_map(move |body| body.depth(p)).map(|of| of.0);
         // In the first alone, beside the surface of the second; in both; in none.
         for (z, count) in [(0.09, 1), (0.3, 2), (-0.1, 0)] {
             let p = Vec3::new(0.3, 0.3, z);
@@ -88,14 +88,14 @@ mod tests {
                 triangles.extend([[a, b, c], [a, c, d]]);
             }
         }
-        let solid = Solid::new(&vertices, triangles.clone()).unwrap();
-        let body = Bodies::parts(&vertices, &triangles);
+        let body = Body::new(&vertices, triangles.clone()).unwrap();
+        let bodies = Bodies::parts(&vertices, &triangles);
         let mut inside = 0;
         for k in 0..1000 {
             let p = Vec3::new(f64::from(k % 10), f64::from(k / 10 % 10), f64::from(k / 100)) * 0.22
                 - Vec3::splat(1.0);
-            let side = solid.side(p, f64::MAX).unwrap();
-            let depth = body.deepest(p);
+            let side = body.side(p, f64::MAX).unwrap();
+            let depth = bodies.deepest(p);
             assert_eq!(depth.is_some(), side.signed_distance < 0.0, "{p}");
             if let Some((depth, nearest)) = depth {
                 inside += 1;

@@ -12,9 +12,10 @@
 //! | [`exposure`] | how much of the space in front of a surface is open |
 //! | [`cut`] | the cheapest cut of a graph |
 //! | [`boxes`] | which of many a point is near |
-//! | [`solid`], [`bodies`] | inside and outside; how deep |
+//! | [`body`], [`bodies`] | inside and outside; how deep |
 
 pub mod bodies;
+pub mod body;
 pub mod boxes;
 pub mod cut;
 pub mod exposure;
@@ -25,7 +26,6 @@ pub mod polyline;
 mod ray;
 pub mod rigid;
 pub mod rows;
-pub mod solid;
 pub mod surface;
 mod tree;
 pub mod triangle;

@@ -48,6 +48,12 @@ pub(crate) fn normal_and_area([a, b, c]: [Vec3; 3]) -> (Vec3, f64) {
     }
 }
 
+/// What values at the corners of a triangle are at the point of these barycentric coordinates.
+#[inline]
+pub(crate) fn interpolate(values: [Vec3; 3], weights: Vec3) -> Vec3 {
+    (0..3).map(|k| values[k] * weights[k]).sum()
+}
+
 /// Barycentric coordinates of the point of a triangle of unit `normal` that is nearest to `point` (Ericson 2005, Real-Time
 /// Collision Detection, section 5.1.5; where it is beyond an edge, on the edges that it is beyond).
 #[inline]

@@ -89,7 +89,7 @@ impl Inbetween {
         let firsts: Vec<usize> = mesh.components().members().iter().map(|m| m[0] as usize).collect();
         let problem = "parts that turn by half a turn, where either way round is as near, named by their first vertex; \
                        a shape half way tells which";
-        let own = |v: &usize| !mesh.is_image(*v);
+        let own = |v: &usize| !mesh.is_mirror_image(*v);
         let halves = found.halves.iter().map(|&c| firsts[c]).filter(own);
         warnings.extend(Fault::at("end", problem, halves).map(|fault| fault.to_string()));
         let problem = "components that are a mirror image of the start and cave in on the way, named by their first vertex";

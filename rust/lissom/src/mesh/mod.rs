@@ -195,7 +195,7 @@ impl Mesh {
     }
 
     /// Whether a vertex was added as a mirror image: nothing to speak of to the caller.
-    pub fn is_image(&self, vertex: usize) -> bool {
+    pub fn is_mirror_image(&self, vertex: usize) -> bool {
         vertex >= self.images_from
     }
 
@@ -297,6 +297,20 @@ impl Mesh {
     /// Area of each triangle in unit coordinates.
     pub fn areas(&self) -> &[f64] {
         &self.geometry.areas
+    }
+
+    /// Area of all triangles, likewise.
+    pub fn area(&self) -> f64 {
+        self.areas().iter().sum()
+    }
+
+    /// Area of each component, likewise.
+    pub fn component_areas(&self) -> Vec<f64> {
+        let mut areas = vec![0.0; self.components.count()];
+        for (t, area) in self.triangles.iter().zip(self.areas()) {
+            self.components.of_vertex(t[0] as usize).into_iter().for_each(|c| areas[c] += area);
+        }
+        areas
     }
 
     /// Unit normal of each triangle; some direction across its longest edge where the area is zero.

@@ -216,14 +216,14 @@ impl Turning<'_> {
     }
 
     /// The handles' values, blended by a cluster's weights.
-    fn blend(&self, cluster: &[f64], of: impl Fn(usize) -> Vec3) -> Vec3 {
+    fn weighted(&self, cluster: &[f64], of: impl Fn(usize) -> Vec3) -> Vec3 {
         cluster.iter().enumerate().fold(Vec3::ZERO, |sum, (h, &w)| sum + of(h) * w)
     }
 
     /// The target matrix of a cluster.
     fn target(&self, cluster: &[f64], rotations: &[Vec3]) -> Mat3 {
-        let turn = exp(self.blend(cluster, |h| rotations[h]));
-        let whole = exp(self.blend(cluster, |h| self.motions[h].whole_turns));
+        let turn = exp(self.weighted(cluster, |h| rotations[h]));
+        let whole = exp(self.weighted(cluster, |h| self.motions[h].whole_turns));
         let stretches = cluster.iter().zip(&self.stretches);
         turn * whole * stretches.fold(Mat3::IDENTITY, |sum, (&w, &s)| sum + (s - Mat3::IDENTITY) * w)
     }
@@ -250,7 +250,7 @@ impl Turning<'_> {
                 }
             };
             for cluster in &self.agreement.clusters {
-                let blended = self.blend(cluster, |h| rotations[h]);
+                let blended = self.weighted(cluster, |h| rotations[h]);
                 push(left_jacobian(blended) * cluster[handle], self.target(cluster, rotations));
             }
             let clusters = 3 * self.agreement.clusters.len();

@@ -67,7 +67,7 @@ options! {
     pub struct Options {
         /// The edges around a vertex that are kept rigid together.
         pub cells: Cells = Cells::SpokesAndRims,
-        /// How much neighbours must turn alike: more spreads a bend over a longer stretch, 0 creases.
+        /// How much neighbours must turn alike: more spreads a bend further along, 0 creases.
         pub rotation_smoothing: f64 = 0.001 => at_least(0.0),
         /// How much curvature counts against lengths: 0.1 takes the spike off a single moved vertex.
         pub smoothness: f64 = 0.0 => at_least(0.0) below(1.0),
@@ -128,7 +128,7 @@ impl Arap {
             // But for rounding they are symmetric; exactly so, the rest pose has no torques.
             *covariance = (*covariance + covariance.transpose()) * 0.5;
         }
-        let area: f64 = mesh.areas().iter().sum();
+        let area = mesh.area();
         let rotation_smoothing = options.rotation_smoothing * area / (share * owners.per_edge());
         let metric = (rotation_smoothing > 0.0)
             .then(|| metric(&stitcher, &rest, rotation_smoothing, job))

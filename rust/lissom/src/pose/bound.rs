@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::goal::{self, Goal};
 use super::handles::{self, Handle};
 use super::method::{CommonOptions, Method, Solution, SolveOptions};
-use super::mirrored::Images;
+use super::mirrored::Mirrored;
 use super::own_turns::OwnTurns;
 use super::region::Region;
 use super::registry::MethodOptions;
@@ -64,7 +64,7 @@ pub struct Pose {
     mesh: Arc<Mesh>,
     /// The mesh with its mirror images, which is posed.
     whole: Arc<Mesh>,
-    images: Images,
+    mirrored: Mirrored,
     welding: Welding,
     region: Region,
     method: Option<Box<dyn Method>>,
@@ -100,11 +100,12 @@ impl Pose {
         let begin = Instant::now();
         job.report(0.0, "region");
         roi.map(|roi| handles::membership(mesh.vertices().len(), roi)).transpose()?;
-        let (images, whole, handles) = Images::of(mesh.clone(), handles, common)?;
+        let (mirrored, whole, handles) = Mirrored::of(mesh.clone(), handles, common)?;
         let (welding, welded) = Welding::of(&whole, handles);
-        let roi = roi.map(|roi| images.region(roi.iter().map(|&v| whole.representative(v)).collect()));
+        let roi = roi.map(|roi| mirrored.region(roi.iter().map(|&v| whole.representative(v)).collect()));
         let hold = common.hold();
-        let region = Region::of(&whole, images.symmetry(), welded, roi.as_deref(), hold, method.is_solid())?;
+        let region =
+            Region::of(&whole, mirrored.symmetry(), welded, roi.as_deref(), hold, method.is_solid())?;
         job.report(0.1, "matrix");
         job.check()?;
         let method = if region.is_rigid() { None } else { Some(method.bind(&region, job)?) };
@@ -114,7 +115,7 @@ impl Pose {
         let mut info = Info::default();
         let mut warnings = region.warnings().to_vec();
         warnings.extend_from_slice(followers.warnings());
-        warnings.extend(images.warning());
+        warnings.extend(mirrored.warning());
         warnings.extend(volume.as_ref().and_then(|volume| volume.warning(&whole)));
         let systems = method.iter().flat_map(|m| m.systems()).chain(volume.as_ref().map(KeptVolume::system));
         let factors: Vec<&Factor> = systems.map(|s| s.factor()).collect();
@@ -132,7 +133,7 @@ impl Pose {
         Ok(Self {
             mesh,
             whole,
-            images,
+            mirrored,
             welding,
             region,
             method,
@@ -157,12 +158,12 @@ impl Pose {
 
     /// Number of handles.
     pub fn handle_count(&self) -> usize {
-        self.images.given().len()
+        self.mirrored.given().len()
     }
 
     /// Number of handle vertices, all handles together.
     pub fn handle_vertex_count(&self) -> usize {
-        self.images.given().iter().map(|handle| handle.vertices.len()).sum()
+        self.mirrored.given().iter().map(|handle| handle.vertices.len()).sum()
     }
 
     /// What is doubtful about the mesh, the handles, the region and the system.
@@ -205,18 +206,18 @@ impl Pose {
             refuse("turns", "not finite", broken)?;
         }
         options.check()?;
-        let free = self.images.all_of(&self.own_turns.free(by_itself, handles)?);
+        let free = self.mirrored.all_of(&self.own_turns.free(by_itself, handles)?);
         let begin = Instant::now();
         let frame = self.whole.frame();
-        let (leading, turns) = self.images.lead(transforms, turns);
-        let mut transforms = self.images.transforms(&leading);
+        let (leading, turns) = self.mirrored.lead(transforms, turns);
+        let mut transforms = self.mirrored.transforms(&leading);
         let motions = goal::motions(&leading, turns.as_deref(), frame, self.region.is_anchored());
-        let mut motions = self.images.motions(&motions, frame);
+        let mut motions = self.mirrored.motions(&motions, frame);
         let mut pivots = Vec::new();
         if let Some(method) = self.method.as_ref().filter(|_| !free.is_empty()) {
             let how = (options.warm_start, method.turns_handles());
             self.own_turns.agree(&self.region, &free, &mut motions, how, job)?;
-            motions = self.images.symmetrise_motions(&motions, self.own_turns.centres(), frame);
+            motions = self.mirrored.symmetrise_motions(&motions, self.own_turns.centres(), frame);
             free.iter().for_each(|&h| transforms[h] = motions[h].matrix(frame));
             if method.turns_handles() {
                 pivots = self.own_turns.pivots(&free, &motions);
@@ -227,7 +228,7 @@ impl Pose {
         let solution = self.follow(&goal, options, job)?;
         if let Some(solution) = solution.as_ref().filter(|solution| !solution.turns.is_empty()) {
             self.own_turns.turn(&goal, &solution.turns, &mut motions);
-            motions = self.images.symmetrise_motions(&motions, self.own_turns.centres(), frame);
+            motions = self.mirrored.symmetrise_motions(&motions, self.own_turns.centres(), frame);
             free.iter().for_each(|&h| transforms[h] = motions[h].matrix(frame));
             (targets, own) = self.targets(&transforms);
         }
@@ -258,7 +259,7 @@ impl Pose {
         let mut targets: Vec<Vec3> = (handles.iter().zip(transforms))
             .flat_map(|(handle, m)| handle.vertices.iter().map(|&v| m.transform_point3(rest[v as usize])))
             .collect();
-        self.images.symmetrise_targets(&self.whole, handles, &mut targets);
+        self.mirrored.symmetrise_targets(&self.whole, handles, &mut targets);
         let own = self.welding.distinct_targets(&self.whole, &targets);
         (targets, own)
     }
@@ -275,16 +276,16 @@ impl Pose {
         expect_count("targets", "points", targets.len(), self.handle_vertex_count(), "handle vertices")?;
         let broken = targets.iter().enumerate().filter(|(_, p)| !p.is_finite()).map(|(i, _)| i);
         refuse("targets", "not finite", broken)?;
-        let mut targets = self.images.targets(&self.whole, self.welding.handles(), targets);
-        self.images.symmetrise_targets(&self.whole, self.welding.handles(), &mut targets);
+        let mut targets = self.mirrored.targets(&self.whole, self.welding.handles(), targets);
+        self.mirrored.symmetrise_targets(&self.whole, self.welding.handles(), &mut targets);
         let own = self.welding.distinct_targets(&self.whole, &targets);
         self.welding.expect_joined(&self.whole, &targets, &own)?;
         let motions = self.region.estimate_motions(&self.whole, &own);
-        let mut motions = self.images.leading(&motions);
+        let mut motions = self.mirrored.leading(&motions);
         let mut rotations: Vec<Vec3> = motions.iter().map(|m| m.rotation).collect();
         agree(&mut rotations, self.region.is_anchored());
         motions.iter_mut().zip(rotations).for_each(|(m, rotation)| m.rotation = rotation);
-        let motions = self.images.motions(&motions, self.whole.frame());
+        let motions = self.mirrored.motions(&motions, self.whole.frame());
         options.check()?;
         let begin = Instant::now();
         let goal = self.region.goal(&self.whole, &own, motions, false);
@@ -316,7 +317,7 @@ impl Pose {
             report.warnings.extend(solution.warning());
         }
         let put = |vertices: &mut [Vec3]| {
-            self.images.symmetrise(&self.whole, vertices);
+            self.mirrored.symmetrise(&self.whole, vertices);
             self.welding.put(&self.whole, targets, own, vertices, |v| self.region.is_given(v));
         };
         put(&mut vertices);

@@ -20,17 +20,17 @@ const SAME_HEIGHT: f64 = 1e-9;
 
 /// The symmetry of a pose, and its handles.
 #[derive(Debug)]
-pub(super) struct Images {
+pub(super) struct Mirrored {
     symmetry: Symmetry,
     /// As the caller gave them.
     given: Vec<Handle>,
     /// One for each of those, in their order, and the added ones.
-    images: Vec<Image>,
+    all: Vec<Follows>,
 }
 
 /// How a handle moves.
 #[derive(Debug, Clone)]
-struct Image {
+struct Follows {
     /// The given handle that leads it, which may be itself.
     of: usize,
     /// Across which planes, in turn.
@@ -40,8 +40,8 @@ struct Image {
     centre: Vec3,
 }
 
-impl Images {
-    /// The mesh that is posed, its images included, and the handles on it.
+impl Mirrored {
+    /// The mesh that is posed, its mirror images included, and the handles on it.
     ///
     /// # Errors
     ///
@@ -52,11 +52,11 @@ impl Images {
         given: Vec<Handle>,
         common: &CommonOptions,
     ) -> Result<(Self, Arc<Mesh>, Vec<Handle>)> {
-        let mut images = Self { symmetry: Symmetry::default(), images: Vec::new(), given };
-        images.images = (0..images.given.len()).map(Image::itself).collect();
-        let mut handles = images.given.clone();
+        let mut mirrored = Self { symmetry: Symmetry::default(), all: Vec::new(), given };
+        mirrored.all = (0..mirrored.given.len()).map(Follows::itself).collect();
+        let mut handles = mirrored.given.clone();
         if common.mirror.is_empty() && common.symmetry.is_empty() {
-            return Ok((images, mesh, handles));
+            return Ok((mirrored, mesh, handles));
         }
         handles::check(mesh.vertices().len(), &handles, common.hold())?;
         expect_perpendicular("mirror", &common.mirror)?;
@@ -64,23 +64,23 @@ impl Images {
         expect_perpendicular("symmetry", &all)?;
         let tolerance = common.mirror_tolerance;
         let (mesh, symmetry) = Symmetry::completed(&mesh, &[mesh.vertices()], &common.mirror, tolerance)?;
-        images.symmetry = symmetry;
-        images.symmetry.add("symmetry", &mesh, &common.symmetry, tolerance)?;
-        for (plane, twins) in images.symmetry.planes() {
-            mirror(&mut handles, &mut images.images, plane, twins, &mesh)?;
+        mirrored.symmetry = symmetry;
+        mirrored.symmetry.add("symmetry", &mesh, &common.symmetry, tolerance)?;
+        for (plane, twins) in mirrored.symmetry.planes() {
+            mirror(&mut handles, &mut mirrored.all, plane, twins, &mesh)?;
         }
-        for (image, handle) in images.images.iter_mut().zip(&handles) {
+        for (own, handle) in mirrored.all.iter_mut().zip(&handles) {
             let sum: Vec3 = handle.vertices.iter().map(|&v| mesh.vertices()[v as usize]).sum();
             let centre = sum / handle.vertices.len() as f64;
-            image.centre = image.about.iter().fold(centre, |c, plane| c - plane.normal * plane.height(c));
+            own.centre = own.about.iter().fold(centre, |c, plane| c - plane.normal * plane.height(c));
         }
-        Ok((images, Arc::new(mesh), handles))
+        Ok((mirrored, Arc::new(mesh), handles))
     }
 
     /// All handles that move with some of the given ones, ascending.
     pub fn all_of(&self, given: &[usize]) -> Vec<usize> {
-        let leaders: BTreeSet<usize> = given.iter().map(|&h| self.images[h].of).collect();
-        (0..self.images.len()).filter(|&h| leaders.contains(&self.images[h].of)).collect()
+        let leaders: BTreeSet<usize> = given.iter().map(|&h| self.all[h].of).collect();
+        (0..self.all.len()).filter(|&h| leaders.contains(&self.all[h].of)).collect()
     }
 
     /// Motions of all handles whose turns about their `centres` are as symmetric as the handles: rounding is not.
@@ -92,7 +92,7 @@ impl Images {
     ) -> Vec<HandleMotion> {
         let mut leading = self.leading(motions);
         for (motion, h) in leading.iter_mut().zip(self.leaders()) {
-            let about = &self.images[h].about;
+            let about = &self.all[h].about;
             if !about.is_empty() {
                 let turn = about.iter().fold(motion.rotation, |turn, plane| turn - plane.tangential(turn));
                 *motion = motion.turned_about(centres[h], turn);
@@ -111,7 +111,7 @@ impl Images {
         &self.symmetry
     }
 
-    /// The vertices of a region and their images; vertices out of range are left to whoever checks them.
+    /// The vertices of a region and their mirror images; vertices out of range are left to whoever checks them.
     pub fn region(&self, mut roi: Vec<u32>) -> Vec<u32> {
         for (_, twins) in self.symmetry.planes() {
             let twin = |&v: &u32| twins.get(v as usize).copied().flatten().filter(|&w| w != v);
@@ -122,7 +122,7 @@ impl Images {
 
     /// What is worth saying: handles whose own motion does not count.
     pub fn warning(&self) -> Option<String> {
-        let follows = |&h: &usize| self.images[h].of != h;
+        let follows = |&h: &usize| self.all[h].of != h;
         let problem = "handles that follow the one on the other side, of which they are the mirror image";
         Fault::at("handles", problem, (0..self.given.len()).filter(follows)).map(|fault| fault.to_string())
     }
@@ -133,16 +133,16 @@ impl Images {
     }
 
     fn leaders(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.given.len()).filter(|&h| self.images[h].of == h)
+        (0..self.given.len()).filter(|&h| self.all[h].of == h)
     }
 
     /// The matrices that lead, and their whole turns, as symmetric as their handles.
     pub fn lead(&self, transforms: &[Mat4], turns: Option<&[Vec3]>) -> (Vec<Mat4>, Option<Vec<Vec3>>) {
         let (mut transforms, mut turns) = (self.leading(transforms), turns.map(|turns| self.leading(turns)));
         for (place, h) in self.leaders().enumerate() {
-            let image = &self.images[h];
-            for plane in &image.about {
-                transforms[place] = symmetric(transforms[place], plane, image.centre);
+            let own = &self.all[h];
+            for plane in &own.about {
+                transforms[place] = symmetric(transforms[place], plane, own.centre);
                 if let Some(turns) = &mut turns {
                     turns[place] = turns[place] - plane.tangential(turns[place]);
                 }
@@ -155,8 +155,8 @@ impl Images {
     fn follow<T: Copy>(&self, leading: &[T], image: impl Fn(T, &Plane) -> T) -> Vec<T> {
         let mut place = vec![0; self.given.len()];
         self.leaders().enumerate().for_each(|(i, h)| place[h] = i);
-        let of = |own: &Image| own.across.iter().fold(leading[place[own.of]], &image);
-        self.images.iter().map(of).collect()
+        let of = |own: &Follows| own.across.iter().fold(leading[place[own.of]], &image);
+        self.all.iter().map(of).collect()
     }
 
     /// The matrices of all handles from those that lead.
@@ -185,7 +185,7 @@ impl Images {
             return given.to_vec();
         }
         let rest = mesh.vertices();
-        let follows = |h: usize| self.images[h].of != h;
+        let follows = |h: usize| self.all[h].of != h;
         let vertices = self
             .given
             .iter()
@@ -241,7 +241,7 @@ impl Images {
     }
 }
 
-impl Image {
+impl Follows {
     fn itself(handle: usize) -> Self {
         Self { of: handle, across: Vec::new(), about: Vec::new(), centre: Vec3::ZERO }
     }
@@ -250,7 +250,7 @@ impl Image {
 /// Makes handles symmetric about a plane.
 fn mirror(
     handles: &mut Vec<Handle>,
-    images: &mut Vec<Image>,
+    all: &mut Vec<Follows>,
     plane: &Plane,
     twins: &[Option<u32>],
     mesh: &Mesh,
@@ -266,10 +266,10 @@ fn mirror(
             [] => Ok(None),
             [g] => Ok(Some(g)),
             _ => {
-                let others: Vec<String> = there.iter().map(|&g| images[g].of.to_string()).collect();
+                let others: Vec<String> = there.iter().map(|&g| all[g].of.to_string()).collect();
                 let problem = format!(
                     "the mirror image of handle {} lies in handles {}: it must be one's alone",
-                    images[h].of,
+                    all[h].of,
                     others.join(" and ")
                 );
                 Err(Error::InvalidConstraint(Fault::new("handles", problem)))
@@ -283,14 +283,14 @@ fn mirror(
                 let image = across(&handles[h], twins);
                 if !image.vertices.is_empty() {
                     handles.push(image);
-                    let mut moves = images[h].clone();
-                    moves.across.push(*plane);
-                    images.push(moves);
+                    let mut follows = all[h].clone();
+                    follows.across.push(*plane);
+                    all.push(follows);
                 }
             }
             Some(g) if g == h => {
                 handles[h] = joined(&handles[h], &across(&handles[h], twins));
-                images[h].about.push(*plane);
+                all[h].about.push(*plane);
             }
             Some(g) if h < g => {
                 let height = |h: usize| -> f64 {
@@ -299,14 +299,13 @@ fn mirror(
                         handle.vertices.iter().map(|&v| plane.height(mesh.vertices()[v as usize])).sum();
                     sum / handle.vertices.len() as f64
                 };
-                // Images of one pair must choose alike, also where rounding alone tells.
+                // Mirror images of one pair must choose alike, also where rounding alone tells.
                 let tie = -SAME_HEIGHT * mesh.frame().scale;
                 let (leads, follows) = if height(h) - height(g) >= tie { (h, g) } else { (g, h) };
                 handles[leads] = joined(&handles[leads], &across(&handles[follows], twins));
                 handles[follows] = joined(&across(&handles[leads], twins), &handles[follows]);
-                let mut moves = images[leads].clone();
-                moves.across.push(*plane);
-                images[follows] = moves;
+                all[follows] = all[leads].clone();
+                all[follows].across.push(*plane);
             }
             Some(_) => {}
         }

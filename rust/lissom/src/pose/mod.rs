@@ -2,7 +2,7 @@
 //!
 //! [`Pose`] (`bound`) prepares a region of interest and its handles once (`region`, `handles`) and a method
 //! ([`Method`], one a file; `registry` knows them by name); each solve turns the handles' motion into a [`Goal`]
-//! (`goal`, `welding`, `images`) and hands it to the method. Methods see a mesh that consists of the region alone, so none
+//! (`goal`, `welding`, `mirrored`) and hands it to the method. Methods see a mesh that consists of the region alone, so none
 //! knows of anything outside; what nobody holds follows afterwards (`unheld`), and
 //! whole turns that it did not make are told (`unwound`).
 //!

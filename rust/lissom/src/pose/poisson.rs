@@ -83,7 +83,7 @@ impl Poisson {
 }
 
 /// `C - I` where fields are the mean of those at some vertices.
-fn blend(fields: &[Vec<Vec3>; 4], at: &[u32]) -> Mat3 {
+fn change(fields: &[Vec<Vec3>; 4], at: &[u32]) -> Mat3 {
     let mean = |of: &Vec<Vec3>| at.iter().map(|&v| of[v as usize]).sum::<Vec3>() / at.len() as f64;
     let [rotation, whole, diagonal, mixed] = fields.each_ref().map(mean);
     exp(rotation) * exp(whole) * (Mat3::IDENTITY + symmetric(diagonal, mixed)) - Mat3::IDENTITY
@@ -118,10 +118,10 @@ impl Method for Poisson {
         let system = self.smooth.as_ref().unwrap_or(self.stitcher.system());
         let fields = of_handles(system, region, &vectors);
         let triangles = region.mesh().triangles().par_iter().with_min_len(512);
-        let changes: Vec<Mat3> = triangles.map(|t| blend(&fields, t)).collect();
+        let changes: Vec<Mat3> = triangles.map(|t| change(&fields, t)).collect();
         let mut asked = self.stitcher.divergence(Reference::Rest, &changes);
         if let Some(rods) = &self.rods {
-            rods.add_divergence(|i, v| blend(&fields, &[i as u32]) * v, &mut asked);
+            rods.add_divergence(|i, v| change(&fields, &[i as u32]) * v, &mut asked);
         }
         let mut displacements = [goal.displacements.clone()];
         self.stitcher.system().solve(&[asked], &mut displacements);

@@ -55,7 +55,7 @@ impl Region {
             None => vec![true; n],
         };
         let outside = handle_of.iter().enumerate();
-        let outside = outside.filter(|(v, h)| h.is_some() && !in_roi[*v] && !mesh.is_image(*v));
+        let outside = outside.filter(|(v, h)| h.is_some() && !in_roi[*v] && !mesh.is_mirror_image(*v));
         let problem = "outside the region of interest, moved all the same";
         warnings
             .extend(Fault::at("handles", problem, outside.map(|(v, _)| v)).map(|fault| fault.to_string()));
@@ -75,7 +75,7 @@ impl Region {
             (follows || pull[v].is_some()) && attached
         };
         let first: Vec<usize> = components.members().iter().map(|m| m[0] as usize).collect();
-        let ambiguous = |&c: &usize| points[c] > 0 && held[c] <= 2 && !mesh.is_image(first[c]);
+        let ambiguous = |&c: &usize| points[c] > 0 && held[c] <= 2 && !mesh.is_mirror_image(first[c]);
         let ambiguous = (0..first.len()).filter(ambiguous).map(|c| first[c]);
         let problem =
             "components held by one or two points, whose rotation is ambiguous, named by their first vertex";

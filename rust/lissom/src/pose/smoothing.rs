@@ -16,7 +16,7 @@ pub(super) const LEAST_MASS: f64 = 1e-6;
 
 /// `l h^2 sum_i |(L x)_i - R_i (L v)_i|^2 / m_i`.
 pub(super) fn smoothness(mesh: &Mesh, amount: f64) -> Differences {
-    let unit = amount * BENDING * mesh.areas().iter().sum::<f64>() / mesh.diagonal().powi(2);
+    let unit = amount * BENDING * mesh.area() / mesh.diagonal().powi(2);
     let factor = inverse_mass(mesh).into_iter().map(|m| m * unit).collect();
     Differences::new(cotangent_laplacian(mesh).rows(), factor, mesh.rest())
 }

@@ -47,8 +47,9 @@ impl Followers {
         let follow = unheld == Unheld::Follow;
         let firsts: Vec<usize> = components.members().iter().map(|m| m[0] as usize).collect();
         let say = |problem: &str, which: &dyn Fn(usize) -> bool| {
-            let offenders =
-                (0..firsts.len()).filter(|&c| which(c) && !mesh.is_image(firsts[c])).map(|c| firsts[c]);
+            let offenders = (0..firsts.len())
+                .filter(|&c| which(c) && !mesh.is_mirror_image(firsts[c]))
+                .map(|c| firsts[c]);
             Fault::at("handles", problem, offenders).map(|fault| fault.to_string())
         };
         let problem = "components without a handle follow the nearest surface that has one, named by their first vertex";

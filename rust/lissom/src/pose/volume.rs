@@ -31,7 +31,7 @@ impl KeptVolume {
     /// What is doubtful: components that have no volume.
     pub fn warning(&self, mesh: &Mesh) -> Option<String> {
         let members = mesh.components().members();
-        let open = self.volumes.open().map(|c| members[c][0] as usize).filter(|&v| !mesh.is_image(v));
+        let open = self.volumes.open().map(|c| members[c][0] as usize).filter(|&v| !mesh.is_mirror_image(v));
         let problem = "open components, which have no volume to preserve, named by their first vertex";
         Fault::at("preserve_volume", problem, open).map(|fault| fault.to_string())
     }

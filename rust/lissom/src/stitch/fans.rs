@@ -137,12 +137,12 @@ impl Fans {
             if constraints.slot(i as u32).is_none() {
                 return Vec3::ZERO;
             }
-            let (mut stretch, mut sum) = (Vec3::ZERO, -(changes[i] * self.total[i]));
+            let (mut own, mut sum) = (Vec3::ZERO, -(changes[i] * self.total[i]));
             for (spoke, &(j, pull)) in self.at(i).iter().zip(self.pulls_at(i)) {
-                stretch += (displacements[i] - displacements[j as usize]) * spoke.weight;
+                own += (displacements[i] - displacements[j as usize]) * spoke.weight;
                 sum += changes[j as usize] * pull;
             }
-            stretch - sum * (1.0 / per_edge)
+            own - sum * (1.0 / per_edge)
         })
     }
 

@@ -133,7 +133,7 @@ impl<N: Fn(Mat3) -> Mat3, M: Fn(usize) -> (Mat3, f64)> WithSimd for Block<'_, N,
         let mut sums = (0.0, 0.0);
         for (k, torque) in self.torques.iter_mut().enumerate() {
             let i = self.first + k;
-            let Cell { covariance, stretch, apart, pull } = self.shape.cell(simd, i);
+            let Cell { covariance, squares, apart, pull } = self.shape.cell(simd, i);
             let (further, larger) = more(i);
             let covariance = covariance * (1.0 / per_edge) + further;
             let (r, rest) = (Mat3::from_quat(rotations[i]), rest[i]);
@@ -143,7 +143,7 @@ impl<N: Fn(Mat3) -> Mat3, M: Fn(usize) -> (Mat3, f64)> WithSimd for Block<'_, N,
                 *misfit = cayley(nearest(r.transpose() * (covariance + rest)));
             }
             // Each edge is seen from both its ends.
-            let size = 0.5 * stretch + larger + dot(change * rest, change);
+            let size = 0.5 * squares + larger + dot(change * rest, change);
             sums.0 += size - 2.0 * dot(change, covariance) + 8.0 * smoothing * apart;
             sums.1 += size;
         }
@@ -155,7 +155,7 @@ impl<N: Fn(Mat3) -> Mat3, M: Fn(usize) -> (Mat3, f64)> WithSimd for Block<'_, N,
 struct Cell {
     covariance: Mat3,
     /// Of the squared lengths of the edges' displacements.
-    stretch: f64,
+    squares: f64,
     /// Of the squared sines of half the angles to the neighbours' rotations, and half its gradient.
     apart: f64,
     pull: Vec3,
@@ -170,7 +170,7 @@ impl Shape<'_> {
         let columns = [[w, -z, y, x], [z, w, -x, y], [-y, x, w, z], [-x, -y, -z, w]];
         let own = self.places[i];
         let [mut a, mut b, mut c] = [[0.0; 4]; 3];
-        let (mut stretch, mut apart, mut pull) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+        let (mut squares, mut apart, mut pull) = ([0.0; 4], [0.0; 4], [0.0; 4]);
         for spoke in self.fans.at(i) {
             let (j, weight, m) = (spoke.neighbour as usize, spoke.weight, spoke.own);
             let mut edge = self.places[j];
@@ -178,7 +178,7 @@ impl Shape<'_> {
             add_scaled(simd, &mut a, m.x, &edge);
             add_scaled(simd, &mut b, m.y, &edge);
             add_scaled(simd, &mut c, m.z, &edge);
-            add_scaled_squares(simd, &mut stretch, weight, &edge);
+            add_scaled_squares(simd, &mut squares, weight, &edge);
             if self.smoothing > 0.0 {
                 // Sine and cosine of half the angle between them.
                 let p = self.rotations[j].to_array();
@@ -193,7 +193,7 @@ impl Shape<'_> {
         }
         Cell {
             covariance: Mat3::from_cols(vector(a), vector(b), vector(c)),
-            stretch: vector(stretch).element_sum(),
+            squares: vector(squares).element_sum(),
             apart: vector(apart).element_sum(),
             pull: vector(pull),
         }

@@ -280,7 +280,7 @@ pub(super) fn check(name: &str, poses: &[Vec<Vec3>], mesh: &Mesh, whose: &str) -
 /// `w_t` over the area of each triangle, as the stitcher already weighs by area.
 fn weights(target: &Mesh, chooser: &Chooser, weighting: Weighting) -> Vec<f64> {
     let areas = target.areas();
-    let mean = areas.iter().sum::<f64>() / areas.len() as f64;
+    let mean = target.area() / areas.len() as f64;
     let trusted = |t: usize| if chooser.has_target(t) { 1.0 } else { UNMATCHED };
     let per_pair = |(t, &area): (usize, &f64)| {
         chooser.matches(t).len().max(1) as f64 * mean / area.max(LEAST_AREA * mean)

@@ -46,7 +46,7 @@ impl Transfer {
             let Some(image) = image else { return };
             let corners = triangles[image.triangle as usize].map(|v| v as usize * channels);
             for (channel, value) in row.iter_mut().enumerate() {
-                *value = blend(corners.map(|start| values[start + channel]), image.weights);
+                *value = clamped_mean(corners.map(|start| values[start + channel]), image.weights);
             }
         });
         job.check()?;
@@ -145,7 +145,7 @@ fn row(vertex: usize, channels: usize) -> std::ops::Range<usize> {
 }
 
 /// The mean of `values` with these weights, within their range to the last bit.
-pub(super) fn blend(values: [f64; 3], weights: Vec3) -> f64 {
+pub(super) fn clamped_mean(values: [f64; 3], weights: Vec3) -> f64 {
     let [a, b, c] = values;
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
     (a * weights.x + b * weights.y + c * weights.z).clamp(low, high)

@@ -23,7 +23,7 @@ use crate::{Mat3, Mesh, Result, Vec3};
 const NOISE: f64 = 1e-7;
 
 /// An image is sound while its area, against that of the triangle, is within this factor of the usual.
-const MOST_STRETCHED: f64 = 30.0;
+const MOST_RESIZED: f64 = 30.0;
 
 /// Elements a task takes at least.
 const GRAIN: usize = 4096;
@@ -84,9 +84,9 @@ fn similar_gradient(rest: [Vec3; 3], posed: [Vec3; 3]) -> Mat3 {
     let q = triangle_gradient(rest, posed);
     let cross = |[a, b, c]: [Vec3; 3]| (b - a).cross(c - a);
     let (before, after) = (cross(rest).length(), cross(posed).length());
-    let stretch = (after / before).sqrt();
+    let thickness = (after / before).sqrt();
     match cross(rest).try_normalize() {
-        Some(normal) if stretch.is_finite() => q + outer(q * normal * (stretch - 1.0), normal),
+        Some(normal) if thickness.is_finite() => q + outer(q * normal * (thickness - 1.0), normal),
         _ => q,
     }
 }
@@ -114,8 +114,8 @@ impl Frame {
     fn change(&self, [a, b, c]: [Vec3; 3]) -> Mat3 {
         let moved = [b - a, c - a];
         let cross = (self.edges[0] + moved[0]).cross(self.edges[1] + moved[1]);
-        let stretch = (cross.length() * self.double_area).sqrt();
-        let normal = if stretch > 0.0 { cross / stretch } else { Vec3::ZERO };
+        let size = (cross.length() * self.double_area).sqrt();
+        let normal = if size > 0.0 { cross / size } else { Vec3::ZERO };
         outer(moved[0], self.duals[0])
             + outer(moved[1], self.duals[1])
             + outer(normal - self.normal, self.normal)
@@ -161,7 +161,7 @@ impl Chooser {
     ) -> Result<Self> {
         let mut images: Vec<_> =
             images.iter().map(|image| image.as_ref().map(|&image| Image::on(source, image))).collect();
-        let place = |image: &Option<Image>| Some((*image)?.blend(|v| source.rest()[v as usize]));
+        let place = |image: &Option<Image>| Some((*image)?.interpolate(|v| source.rest()[v as usize]));
         let twins = Twins::of_both(source, target, &images.iter().map(place).collect::<Vec<_>>());
         let mut sorted: Vec<[u32; 2]> = pairs.iter().map(|&[s, t]| [t, s]).collect();
         if let Some(twins) = &twins {
@@ -217,10 +217,7 @@ impl Chooser {
         let sound = |(found, &area): (&Option<(f64, bool)>, &f64)| {
             found.is_some_and(|(image, faces)| {
                 let against = image / (area * usual);
-                faces
-                    && image > LEAST_IMAGE_AREA
-                    && against > 1.0 / MOST_STRETCHED
-                    && against < MOST_STRETCHED
+                faces && image > LEAST_IMAGE_AREA && against > 1.0 / MOST_RESIZED && against < MOST_RESIZED
             })
         };
         found.iter().zip(target.areas()).map(sound).collect()
@@ -239,7 +236,7 @@ impl Chooser {
     /// Displacements of the images of all target vertices; zero where there is none.
     pub fn displacements(&self, key: &SourceKey) -> Vec<Vec3> {
         let of = |image: &Option<Image>| match image {
-            Some(image) => image.blend(|v| key.displacement[v as usize]),
+            Some(image) => image.interpolate(|v| key.displacement[v as usize]),
             None => Vec3::ZERO,
         };
         self.images.par_iter().with_min_len(GRAIN).map(of).collect()

@@ -1,5 +1,5 @@
 //! Closing: once a key is stitched, the openings that close in it are closed, and what does so is not pushed into
-//! solids ([`super::rims`], [`super::contact`], [`super::obstacle`]).
+//! obstacles ([`super::rims`], [`super::contact`], [`super::obstacle`]).
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -14,7 +14,7 @@ use super::rims::Rims;
 use crate::linear::{ConstrainedSystem, SymmetricMatrix};
 use crate::{Job, Mesh, Result, Vec3};
 
-/// How often what is missing to stay out of solids is asked for.
+/// How often what is missing to stay out of obstacles is asked for.
 const ASKED: usize = 10;
 
 /// What contact needs besides, once a key needs it.
@@ -39,12 +39,12 @@ impl Closing {
     /// As [`contact::system`].
     pub fn prepare(&self, ways: &Ways, rims: &Rims, stitching: &SymmetricMatrix, job: &Job) -> Result<()> {
         if self.0.get().is_none() {
-            let system = contact::system(ways.target, stitching, rims.vertices(), job)?;
+            let meeting = rims.vertices();
+            let system = contact::system(ways.target, stitching, &meeting, job)?;
             let corrected = || system.constraints().free().iter().copied();
-            let meeting: Vec<u32> = rims.vertices().collect();
             let obstacles = Obstacles::near(ways.target, &meeting);
             let vertices =
-                obstacles.as_ref().map_or(Vec::new(), |solids| solids.in_the_way(ways.target, corrected()));
+                obstacles.as_ref().map_or(Vec::new(), |found| found.in_the_way(ways.target, corrected()));
             let obstacles = obstacles.filter(|_| !vertices.is_empty());
             let of_source = obstacles.as_ref().and_then(|_| Obstacles::near(ways.source, &rims.images()));
             // Whoever was first has made the same.
@@ -60,7 +60,7 @@ impl Closing {
 }
 
 impl Prepared {
-    /// The displacements, placed, with contacts closed and nothing pushed into solids; and the vertices that were asked
+    /// The displacements, placed, with contacts closed and nothing pushed into obstacles; and the vertices that were asked
     /// for it.
     pub fn close(
         &self,
@@ -105,7 +105,7 @@ impl Prepared {
         (displacements, asked)
     }
 
-    /// How far outside of solids vertices must be: as far as their images are, or those that meet outside of all.
+    /// How far outside of obstacles vertices must be: as far as their images are, or those that meet outside of all.
     fn least(
         &self,
         ways: &Ways,
@@ -114,7 +114,7 @@ impl Prepared {
         contacts: &[Contact],
         vertices: &[u32],
     ) -> Vec<(u32, Least)> {
-        let Some(solids) = &self.of_source else {
+        let Some(of_source) = &self.of_source else {
             let mut least: BTreeMap<u32, Least> = vertices.iter().map(|&v| (v, Least::Travelled)).collect();
             let met = contacts.iter().flat_map(Contact::vertices);
             least.extend(met.map(|v| (v, Least::Outside(f64::INFINITY))));
@@ -126,7 +126,7 @@ impl Prepared {
             Some((ways.source.triangles()[triangle as usize][0], at))
         };
         let images: Vec<_> = vertices.iter().map(image).collect();
-        let outside = solids.outside(ways.source, &key.displacement, &images);
+        let outside = of_source.outside(ways.source, &key.displacement, &images);
         let size = |v: u32| ways.target.components().of_vertex(v as usize).map(|c| ways.anchors.size(c));
         let least = |k: usize| match images[k].and(size(vertices[k])) {
             Some(size) => Least::Outside(outside[k].map_or(f64::INFINITY, |outside| outside * size)),

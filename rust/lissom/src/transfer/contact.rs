@@ -101,12 +101,12 @@ pub fn mass(target: &Mesh, vertex: u32) -> f64 {
 pub fn system(
     target: &Mesh,
     stitching: &SymmetricMatrix,
-    meeting: impl Iterator<Item = u32>,
+    meeting: &[u32],
     job: &Job,
 ) -> Result<ConstrainedSystem> {
     let mut distances = vec![f64::INFINITY; target.rest().len()];
     let paths = Paths::new(target.adjacency(), target.rest(), 0.0);
-    paths.shorten(&mut distances, meeting.map(|v| (v, 0.0)), FADED * LOCAL, |_| {});
+    paths.shorten(&mut distances, meeting.iter().map(|&v| (v, 0.0)), FADED * LOCAL, |_| {});
     let within = |v: u32| distances[v as usize].is_finite();
     let count = target.rest().len();
     let held = (0..count as u32).filter(|&v| within(v));

@@ -16,7 +16,7 @@
 use rayon::prelude::*;
 
 use super::apply::Transfer;
-use super::attributes::{blend, check_values};
+use super::attributes::{check_values, clamped_mean};
 use crate::geometry::surface::Surface;
 use crate::{Error, Fault, Job, Mesh, Result, Vec3, memory};
 
@@ -179,7 +179,7 @@ impl<'a> Corners<'a> {
 
     fn at(&self, triangle: u32, weights: Vec3) -> Vec<f64> {
         let rows = [0, 1, 2].map(|corner| self.row(triangle, corner));
-        (0..self.channels).map(|c| blend(rows.map(|row| row[c]), weights)).collect()
+        (0..self.channels).map(|c| clamped_mean(rows.map(|row| row[c]), weights)).collect()
     }
 
     /// From a triangle to a point; infinite where it has no area to tell.

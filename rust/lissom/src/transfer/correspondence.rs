@@ -1,7 +1,7 @@
 //! Correspondence: which places of the source and of the target belong together, in both directions.
 
 use super::image::SurfacePoint;
-use crate::{Error, Fault, Mat3, Mesh, Result, Vec3};
+use crate::{Error, Fault, Mat3, Mesh, Result};
 
 /// A vertex of the target on a curve that the source has too, and its place there: so far along an edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,14 +12,6 @@ pub struct CurvePoint {
     pub edge: [u32; 2],
     /// ... and how much of it lies before the place.
     pub fraction: f64,
-}
-
-impl CurvePoint {
-    /// What `values` at the source's vertices are there.
-    pub fn blend(&self, values: &[Vec3]) -> Vec3 {
-        let [a, b] = self.edge.map(|v| values[v as usize]);
-        a.lerp(b, self.fraction)
-    }
 }
 
 /// What a fit finds, and all that a transfer needs; triangles as the input of the meshes counts them.

@@ -27,7 +27,7 @@ pub fn rotations(target: &Mesh, maps: &[Option<Mat3>]) -> Vec<Mat3> {
         map.map_or((Mat3::ZERO, 0.0), |map| (nearest_rotation(map) * area, area))
     };
     let mut own: Vec<(Mat3, f64)> = maps.par_iter().zip(target.areas()).map(weigh).collect();
-    let mean_area = target.areas().iter().sum::<f64>() / triangles.len() as f64;
+    let mean_area = target.area() / triangles.len() as f64;
     // Each round goes about the length of an edge.
     let rounds = (REACH * REACH / mean_area.max(f64::MIN_POSITIVE)).clamp(1.0, MOST_ROUNDS) as usize;
     let counts: Vec<f64> =

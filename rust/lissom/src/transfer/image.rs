@@ -5,6 +5,7 @@
 //! triangles by their centroids, which shifts every key by up to half a triangle.)
 
 use super::symmetry::Twins;
+use crate::geometry::triangle::interpolate;
 use crate::{Mesh, Vec3};
 
 /// A point of the source's surface.
@@ -14,13 +15,6 @@ pub struct SurfacePoint {
     pub triangle: u32,
     /// How much each of its corners counts; they add up to 1.
     pub weights: Vec3,
-}
-
-impl SurfacePoint {
-    /// What `values` at the corners of the triangle are at this point.
-    pub fn blend(&self, values: [Vec3; 3]) -> Vec3 {
-        values[0] * self.weights.x + values[1] * self.weights.y + values[2] * self.weights.z
-    }
 }
 
 /// The image of a vertex of the target, in use.
@@ -44,10 +38,8 @@ impl Image {
     }
 
     /// What values at the source's vertices are there.
-    pub fn blend(&self, value: impl Fn(u32) -> Vec3) -> Vec3 {
-        let of = |corners: [u32; 3], weights: Vec3| -> Vec3 {
-            (0..3).map(|k| value(corners[k]) * weights[k]).sum()
-        };
+    pub fn interpolate(&self, value: impl Fn(u32) -> Vec3) -> Vec3 {
+        let of = |corners: [u32; 3], weights: Vec3| interpolate(corners.map(&value), weights);
         let own = of(self.corners, self.weights);
         self.mirrored.map_or(own, |(corners, weights)| (own + of(corners, weights)) * 0.5)
     }

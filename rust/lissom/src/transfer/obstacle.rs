@@ -1,11 +1,11 @@
 //! Obstacles: a lid that closes slides over the eye, and does not go through it.
 //!
-//! A solid component of the target, such as an eye, keeps larger components out. With `s` the distance of a vertex
-//! from the solid, negative inside, a key may not go below
+//! A closed component of the target, such as an eye, keeps larger components out. With `s` the distance of a vertex
+//! from it, negative inside, a key may not go below
 //!
 //! ```text
-//!     min(CLEAR, that of its image on the source)                     where the source has solids, else
-//!     min(CLEAR, s_rest + max(0, travel - |s_rest|))                  travel = how far it goes past the solid
+//!     min(CLEAR, that of its image on the source)                     where the source has obstacles, else
+//!     min(CLEAR, s_rest + max(0, travel - |s_rest|))                  travel = how far it goes past the obstacle
 //! ```
 //!
 //! so that what is inside at rest, as the rim of a lid often is, stays there as long as it hardly moves, and has
@@ -15,8 +15,9 @@
 
 use rayon::prelude::*;
 
+use crate::geometry::body::{Body, SignedDistance};
 use crate::geometry::boxes::Boxes;
-use crate::geometry::solid::{SignedDistance, Solid};
+use crate::geometry::triangle::interpolate;
 use crate::{Mesh, Vec3};
 
 /// How far outside vertices are kept, a fraction of the target's diagonal: their triangles are then outside too.
@@ -28,13 +29,13 @@ const SLACK: f64 = 0.0005;
 /// Vertices further inside are on the other side of something else.
 const REACH: f64 = 0.05;
 
-/// What a lid goes at most: solids further away are not in its way.
+/// What a lid goes at most: obstacles further away are not in its way.
 const AS_FAR_AS_LIDS: f64 = 2.0 * REACH;
 
-/// What is further from the box around a solid, once a key is on, is not pushed into it by what is corrected.
+/// What is further from the box around an obstacle, once a key is on, is not pushed into it by what is corrected.
 const BESIDE: f64 = 0.01;
 
-/// Solids are components with less of their edges than this on a boundary ...
+/// Obstacles are components with less of their edges than this on a boundary ...
 const OPEN: f64 = 0.05;
 
 /// ... and less than this of the area of what gives way to them.
@@ -46,7 +47,7 @@ const SAMPLES: usize = 200;
 const DENT: f64 = 0.02;
 const DENTED: f64 = 0.01;
 
-/// How far outside of the solids a vertex has to be.
+/// How far outside of the obstacles a vertex has to be.
 #[derive(Debug, Clone, Copy)]
 pub enum Least {
     /// So far, in unit coordinates.
@@ -55,9 +56,9 @@ pub enum Least {
     Travelled,
 }
 
-/// The solids of a mesh.
+/// The obstacles of a mesh.
 pub struct Obstacles {
-    solids: Vec<Obstacle>,
+    all: Vec<Obstacle>,
     /// Around each of them at rest.
     boxes: Boxes,
     /// The area of each component.
@@ -68,7 +69,7 @@ pub struct Obstacles {
 struct Posed<'a> {
     obstacle: &'a Obstacle,
     /// Where it moves.
-    moved: Option<Solid>,
+    moved: Option<Body>,
 }
 
 impl Posed<'_> {
@@ -77,16 +78,16 @@ impl Posed<'_> {
     }
 }
 
-/// The solids of a mesh in a key.
+/// The obstacles of a mesh in a key.
 pub struct Standing<'a> {
-    solids: Vec<Posed<'a>>,
+    all: Vec<Posed<'a>>,
     boxes: Boxes,
 }
 
 impl<'a> Standing<'a> {
     /// Those that a point may be within `reach` of, or in.
     fn near(&self, point: Vec3, reach: f64) -> impl Iterator<Item = &Posed<'a>> {
-        self.boxes.within(point, reach).into_iter().map(|k| &self.solids[k])
+        self.boxes.within(point, reach).into_iter().map(|k| &self.all[k])
     }
 }
 
@@ -96,7 +97,7 @@ struct Obstacle {
     vertices: Vec<u32>,
     /// The corners of its triangles, by their place among its vertices.
     triangles: Vec<[u32; 3]>,
-    rest: Solid,
+    rest: Body,
 }
 
 impl Obstacle {
@@ -107,7 +108,7 @@ impl Obstacle {
         let place = |v: u32| vertices.partition_point(|&w| w < v) as u32;
         let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(place)).collect();
         let rest: Vec<Vec3> = vertices.iter().map(|&v| mesh.rest()[v as usize]).collect();
-        let rest = Solid::new(&rest, triangles.clone())?;
+        let rest = Body::new(&rest, triangles.clone())?;
         Some(Self { component, vertices, triangles, rest })
     }
 
@@ -121,28 +122,25 @@ impl Obstacle {
             return Some(Posed { obstacle: self, moved: None });
         }
         let moved: Vec<Vec3> = self.at(mesh, displacements).collect();
-        Some(Posed { obstacle: self, moved: Some(Solid::new(&moved, self.triangles.clone())?) })
+        Some(Posed { obstacle: self, moved: Some(Body::new(&moved, self.triangles.clone())?) })
     }
 
     /// What `values` at the vertices of the mesh are at a place of this surface.
-    fn blend(&self, side: &SignedDistance, values: &[Vec3]) -> Vec3 {
+    fn carried(&self, side: &SignedDistance, values: &[Vec3]) -> Vec3 {
         let corners = self.triangles[side.hit.triangle].map(|place| self.vertices[place as usize]);
-        (0..3).map(|k| values[corners[k] as usize] * side.hit.weights[k]).sum()
+        interpolate(corners.map(|v| values[v as usize]), side.hit.weights)
     }
 }
 
 impl Obstacles {
-    /// Finds the solids of a mesh near some of its vertices; `None` where nothing gives way to any.
+    /// Finds the obstacles of a mesh near some of its vertices; `None` where nothing gives way to any.
     pub fn near(target: &Mesh, vertices: &[u32]) -> Option<Self> {
         let components = target.components();
         let component = |v: u32| components.of_vertex(v as usize);
-        let mut areas = vec![0.0; components.count()];
+        let areas = target.component_areas();
         let mut triangles = vec![Vec::new(); components.count()];
-        for (t, area) in target.outward_triangles().iter().zip(target.areas()) {
-            if let Some(c) = component(t[0]) {
-                areas[c] += area;
-                triangles[c].push(*t);
-            }
+        for t in target.outward_triangles() {
+            component(t[0]).into_iter().for_each(|c| triangles[c].push(t));
         }
         let (mut edges, mut open) = (vec![0usize; areas.len()], vec![0usize; areas.len()]);
         for (e, edge) in target.adjacency().edges().iter().enumerate() {
@@ -152,41 +150,42 @@ impl Obstacles {
             }
         }
         let largest = areas.iter().copied().fold(0.0, f64::max);
-        let is_solid = |&c: &usize| areas[c] < SMALLER * largest && (open[c] as f64) < OPEN * edges[c] as f64;
+        let keeps_out =
+            |&c: &usize| areas[c] < SMALLER * largest && (open[c] as f64) < OPEN * edges[c] as f64;
         let at = |v: &u32| target.rest()[*v as usize];
-        let solid: Vec<usize> = (0..triangles.len()).filter(is_solid).collect();
-        let boxes = Boxes::around(solid.iter().map(|&c| triangles[c].iter().flatten().map(at)));
-        let mut is_near = vec![false; solid.len()];
+        let found: Vec<usize> = (0..triangles.len()).filter(keeps_out).collect();
+        let boxes = Boxes::around(found.iter().map(|&c| triangles[c].iter().flatten().map(at)));
+        let mut is_near = vec![false; found.len()];
         vertices.iter().flat_map(|v| boxes.within(at(v), AS_FAR_AS_LIDS)).for_each(|k| is_near[k] = true);
-        let solids: Vec<Obstacle> = solid
+        let all: Vec<Obstacle> = found
             .into_iter()
             .zip(is_near)
             .filter(|&(c, is_near)| is_near && convex(target, &triangles[c]))
             .filter_map(|(c, _)| Obstacle::new(target, c, &triangles[c]))
             .collect();
-        let boxes = Boxes::around(solids.iter().map(|solid| solid.vertices.iter().map(at)));
-        (!solids.is_empty()).then_some(Self { solids, boxes, areas })
+        let boxes = Boxes::around(all.iter().map(|obstacle| obstacle.vertices.iter().map(at)));
+        (!all.is_empty()).then_some(Self { all, boxes, areas })
     }
 
-    /// The solids where `displacements` take them.
+    /// The obstacles where `displacements` take them.
     pub fn standing(&self, mesh: &Mesh, displacements: &[Vec3]) -> Standing<'_> {
-        let solids: Vec<Posed> =
-            self.solids.iter().filter_map(|solid| solid.posed(mesh, displacements)).collect();
-        let boxes = Boxes::around(solids.iter().map(|posed| posed.obstacle.at(mesh, displacements)));
-        Standing { solids, boxes }
+        let all: Vec<Posed> =
+            self.all.iter().filter_map(|obstacle| obstacle.posed(mesh, displacements)).collect();
+        let boxes = Boxes::around(all.iter().map(|posed| posed.obstacle.at(mesh, displacements)));
+        Standing { all, boxes }
     }
 
-    /// Which of `vertices` solids may be in the way of.
+    /// Which of `vertices` obstacles may be in the way of.
     pub fn in_the_way(&self, mesh: &Mesh, vertices: impl Iterator<Item = u32>) -> Vec<u32> {
         let meets = |v: &u32| {
             let own = mesh.components().of_vertex(*v as usize);
             let near = self.boxes.within(mesh.rest()[*v as usize], AS_FAR_AS_LIDS);
-            own.is_some_and(|own| near.iter().any(|&k| self.gives_way(own, &self.solids[k])))
+            own.is_some_and(|own| near.iter().any(|&k| self.gives_way(own, &self.all[k])))
         };
         vertices.filter(meets).collect()
     }
 
-    /// Which of `vertices` are near solids once `displacements` are on.
+    /// Which of `vertices` are near obstacles once `displacements` are on.
     pub fn reached(
         &self,
         mesh: &Mesh,
@@ -201,7 +200,7 @@ impl Obstacles {
         vertices.iter().copied().filter(is_near).collect()
     }
 
-    /// For each point of a component, given with a vertex of it, how far it is outside of the solids once
+    /// For each point of a component, given with a vertex of it, how far it is outside of the obstacles once
     /// `displacements` are on, negative inside; `None` where there is none near.
     pub fn outside(
         &self,
@@ -219,11 +218,11 @@ impl Obstacles {
         points.par_iter().map(of).collect()
     }
 
-    fn gives_way(&self, component: usize, solid: &Obstacle) -> bool {
-        self.areas[solid.component] < SMALLER * self.areas[component]
+    fn gives_way(&self, component: usize, obstacle: &Obstacle) -> bool {
+        self.areas[obstacle.component] < SMALLER * self.areas[component]
     }
 
-    /// Which of some vertices `displacements` take too far into a solid, and what they are short of, in unit
+    /// Which of some vertices `displacements` take too far into an obstacle, and what they are short of, in unit
     /// coordinates. `least` has each with how far outside it must be, [`Least::Travelled`] where nothing else says so.
     pub fn short(
         &self,
@@ -242,7 +241,7 @@ impl Obstacles {
                 let wanted = match least {
                     Least::Outside(distance) => distance.min(CLEAR),
                     Least::Travelled => {
-                        let carried = posed.obstacle.blend(&now, displacements);
+                        let carried = posed.obstacle.carried(&now, displacements);
                         let before = posed.obstacle.rest.side(at, REACH);
                         let before = before.map_or(CLEAR, |before| before.signed_distance);
                         let beyond = ((d - carried).length() - before.abs()).max(0.0);

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 
 use super::choose::SourceKey;
 use super::contact::{Contact, mass};
-use super::touching::{Touching, blend};
+use super::touching::{Touching, at_place};
 use crate::mesh::Paths;
 use crate::{Mesh, Quat, Vec3};
 
@@ -90,7 +90,7 @@ impl Rim {
 
     /// From one place to the other on the source once a key is on.
     fn posed(&self, key: &SourceKey) -> Vec3 {
-        let [here, there] = self.images.each_ref().map(|image| blend(image, &key.displacement));
+        let [here, there] = self.images.each_ref().map(|image| at_place(image, &key.displacement));
         self.across[0] + there - here
     }
 

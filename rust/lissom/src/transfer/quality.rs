@@ -6,7 +6,7 @@
 //! | torn | target triangles with an edge [`RAGGED`] times as long as `C_t` makes it |
 //! | contact gap | how much wider apart than asked for are the places across openings that close ([`super::rims`]) |
 //! | closing | what part of the way that is asked for they have come together, above 1 where they go further |
-//! | strength | root mean square displacement over what the anchors ask for ([`super::anchor`]) |
+//! | amplitude | root mean square displacement over what the anchors ask for ([`super::anchor`]) |
 //! | covered | the part of the source's motion that has a counterpart on the target |
 //! | crooked | left against right, where both meshes and the source's key are symmetric ([`super::symmetry`]) |
 //! | residual | `sqrt(sum_t w_t \|grad_t d - D_t\|^2 / sum_t w_t \|D_t\|^2)`, with `D_t = (C_t - I)(I - n n^T)`: how far stitching is from what was asked |
@@ -23,7 +23,7 @@ use super::verdict::{Findings, Verdict, judge};
 use crate::geometry::triangle::normal_and_area;
 use crate::{Error, Fault, Job, Mat3, Result, Vec3};
 
-/// An edge so many times as long as asked is torn: the fit calls triangles stretched from 3 on, and asks for that
+/// An edge so many times as long as asked is torn: the fit calls triangles distorted from 3 on, and asks for that
 /// itself where the target is; what stitching adds shows earlier.
 const RAGGED: f64 = 2.5;
 
@@ -67,7 +67,7 @@ pub struct KeyQuality {
     /// What part of the way they come together; above 1 where they go further, 1 where there is none.
     pub closing: f64,
     /// Motion over that of the source, scaled as the transfer does; 1 where nothing is seen to move.
-    pub strength: f64,
+    pub amplitude: f64,
     /// Difference of left and right over the motion; 0 where there is no symmetry.
     pub crooked: f64,
     /// What part of the source's motion has a counterpart on the target; 1 where nothing is seen to move.
@@ -151,7 +151,7 @@ impl Transfer {
         let gap = apart / contacts.len().max(1) as f64;
         let (way, left) = gaps.iter().fold((0.0, 0.0), |(way, left), gap| (way + gap.0, left + gap.1));
         let closing = if way > 0.0 { 1.0 - left / way } else { 1.0 };
-        let (strength, crooked) = (self.strength(&moved, &displacements), {
+        let (amplitude, crooked) = (self.amplitude(&moved, &displacements), {
             let beyond = |[source, target]: &[Mirror; 2]| {
                 let own = source.difference(&key.displacement);
                 if own < EVEN { (target.difference(&displacements) - own).max(0.0) } else { 0.0 }
@@ -160,10 +160,10 @@ impl Transfer {
         });
         let along = contacts.iter().map(Contact::length).sum();
         let covered = self.covered(&key, matched);
-        let mut found = Findings { turned, torn, along, gap, closing, strength, crooked, covered };
+        let mut found = Findings { turned, torn, along, gap, closing, amplitude, crooked, covered };
         if self.closing.is_some() && found.closes() {
             // Lids of larger eyes have a longer way than the source's.
-            found.strength = strength.min(1.0);
+            found.amplitude = amplitude.min(1.0);
         }
         let (verdict, reasons) = judge(&found);
         let told = found.open() > Verdict::Good;
@@ -187,7 +187,7 @@ impl Transfer {
             contacts: contacts.len(),
             contact_gap: 100.0 * gap,
             closing,
-            strength,
+            amplitude,
             crooked,
             covered,
             motion: 100.0 * motion,
@@ -201,15 +201,11 @@ impl Transfer {
         let of =
             |which: &dyn Fn(usize) -> bool| (0..matched.len()).filter(|&t| which(t)).map(motion).sum::<f64>();
         let all = of(&|_| true);
-        if all > UNSEEN.powi(2) * self.source.areas().iter().sum::<f64>() {
-            of(&|t| matched[t]) / all
-        } else {
-            1.0
-        }
+        if all > UNSEEN.powi(2) * self.source.area() { of(&|t| matched[t]) / all } else { 1.0 }
     }
 
     /// Root mean square of `displacements` over what the anchors ask for, where the images have gone by `moved`.
-    fn strength(&self, moved: &[Vec3], displacements: &[Vec3]) -> f64 {
+    fn amplitude(&self, moved: &[Vec3], displacements: &[Vec3]) -> f64 {
         let asked = self.anchors.targets(&self.target, &self.chooser, moved);
         let (mut own, mut wanted, mut largest) = (0.0, 0.0, 0.0f64);
         for ((v, to), (_, weight)) in asked.iter().zip(self.anchors.soft()) {

@@ -40,10 +40,7 @@ pub fn ridges(mesh: &Mesh, outward: &[[u32; 3]]) -> Vec<bool> {
     let mut ridges: Vec<bool> = normals.iter().map(|normal| normal.length() < SHORT).collect();
     mesh.border().into_iter().for_each(|v| ridges[v as usize] = true);
     let component = |v: u32| mesh.components().of_vertex(v as usize);
-    let mut areas = vec![0.0; mesh.components().count()];
-    for (t, area) in outward.iter().zip(mesh.areas()) {
-        component(t[0]).into_iter().for_each(|c| areas[c] += area);
-    }
+    let areas = mesh.component_areas();
     let largest = areas.iter().copied().fold(0.0, f64::max);
     for (v, ridge) in (0u32..).zip(&mut ridges) {
         *ridge &= component(v).is_some_and(|c| areas[c] >= LARGE * largest);

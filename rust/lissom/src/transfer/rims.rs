@@ -14,9 +14,10 @@ use super::correspondence::Correspondence;
 use super::image::SurfacePoint;
 use super::opening::{BRUSHED, Opening, Own, Place, Rim};
 use super::ridges::ridges;
-use super::touching::{Touching, across, blend};
+use super::touching::{Touching, across, at_place};
 use crate::geometry::groups::Groups;
 use crate::geometry::surface::Surface;
+use crate::geometry::triangle::interpolate;
 use crate::mesh::Paths;
 use crate::{Mesh, Vec3};
 
@@ -78,9 +79,9 @@ impl Rims {
     }
 
     /// The target's vertices along those that gradients alone do not close.
-    pub fn vertices(&self) -> impl Iterator<Item = u32> + '_ {
+    pub fn vertices(&self) -> Vec<u32> {
         let rims = self.of_own_height().flat_map(|opening| &opening.rims);
-        rims.flat_map(|rim| rim.place.iter().map(|&(v, _)| v).chain([rim.vertex]))
+        rims.flat_map(|rim| rim.place.iter().map(|&(v, _)| v).chain([rim.vertex])).collect()
     }
 
     /// Vertices of the source around their images.
@@ -139,7 +140,7 @@ fn opposite(
     image: SurfacePoint,
 ) -> Option<(SurfacePoint, Vec3, Place)> {
     let own = image.triangle as usize;
-    let here = image.blend(source.triangles()[own].map(|v| source.rest()[v as usize]));
+    let here = interpolate(source.triangles()[own].map(|v| source.rest()[v as usize]), image.weights);
     let normal = surface.normal(own);
     // An eye behind the lids is across too, and nothing that closes.
     let component = |t: usize| source.components().of_vertex(outward[t][0] as usize);
@@ -195,7 +196,7 @@ fn widen(
     matches: &Correspondence,
     size: impl Fn(usize) -> f64,
 ) {
-    let at = |image: &Place| blend(image, source.rest());
+    let at = |image: &Place| at_place(image, source.rest());
     let mut of_vertex = vec![None; target.rest().len()];
     rims.iter().enumerate().for_each(|(k, rim)| of_vertex[rim.vertex as usize] = Some(k));
     // The rim that each one comes from in the first place.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::geometry::plane::{self, Plane};
 use crate::geometry::surface::Surface;
-use crate::geometry::triangle::vertex_normals;
+use crate::geometry::triangle::{interpolate, vertex_normals};
 use crate::{Mesh, Vec3};
 
 /// Mirror images lie so near to the surface, root mean square, in unit coordinates: sculpted faces that are meant to
@@ -84,7 +84,7 @@ impl Mirror {
         let (mut off, mut own, plane) = (0.0, 0.0, Plane::across(self.axis));
         for (d, place) in displacements.iter().zip(&self.places) {
             let Some((corners, weights)) = place else { continue };
-            let there: Vec3 = (0..3).map(|k| displacements[corners[k] as usize] * weights[k]).sum();
+            let there = interpolate(corners.map(|v| displacements[v as usize]), *weights);
             off += d.distance_squared(plane.reflect(there));
             own += d.length_squared();
         }

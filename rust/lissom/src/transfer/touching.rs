@@ -9,6 +9,7 @@ use super::choose::SourceKey;
 use super::contact::Contact;
 use super::correspondence::Correspondence;
 use crate::geometry::surface::Surface;
+use crate::geometry::triangle::interpolate;
 use crate::mesh::Paths;
 use crate::{Mesh, Vec3};
 
@@ -30,8 +31,8 @@ const APPROACH: f64 = 0.003;
 const AROUND: f64 = 0.02;
 
 /// What `values` at the source's vertices are at a place: the corners of a triangle, and what each counts.
-pub fn blend((corners, weights): &([u32; 3], Vec3), values: &[Vec3]) -> Vec3 {
-    (0..3).map(|k| values[corners[k] as usize] * weights[k]).sum()
+pub fn at_place(&(corners, weights): &([u32; 3], Vec3), values: &[Vec3]) -> Vec3 {
+    interpolate(corners.map(|v| values[v as usize]), weights)
 }
 
 /// The target vertices of a place of the source, and what each counts; `None` where that is unknown, or not on the
@@ -105,11 +106,11 @@ impl Touching {
         let surface = Surface::new(self.triangles.iter().map(moved).collect());
         let contact = |&(v, own, weights): &(u32, u32, Vec3)| {
             let corners = self.triangles[own as usize];
-            let by = blend(&(corners, weights), &key.displacement);
+            let by = at_place(&(corners, weights), &key.displacement);
             if by == Vec3::ZERO {
                 return None;
             }
-            let at_rest = blend(&(corners, weights), source.rest());
+            let at_rest = at_place(&(corners, weights), source.rest());
             let at = at_rest + by;
             let normal = surface.normal(own as usize);
             let accept = |t: usize| surface.normal(t).dot(normal) < OPPOSED;

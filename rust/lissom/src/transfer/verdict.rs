@@ -44,7 +44,7 @@ const BRUSHED: f64 = 0.2;
 
 /// How many times too small or too large a motion is: animators exaggerate by a third without anyone taking it for
 /// another expression; at 2.5 it is another one.
-const STRENGTH: [f64; 2] = [4.0 / 3.0, 2.5];
+const AMPLITUDE: [f64; 2] = [4.0 / 3.0, 2.5];
 
 /// Differences of left and right, over the motion, beyond that of the source. A smile that is a fifth stronger on one
 /// side reads as crooked, one of a half as a smirk.
@@ -68,7 +68,7 @@ pub struct Findings {
     /// What part of the way they come together.
     pub closing: f64,
     /// Motion over what was asked; no more than 1 where contacts have asked for more.
-    pub strength: f64,
+    pub amplitude: f64,
     /// Difference of left and right beyond that of the source.
     pub crooked: f64,
     /// What part of the source's motion has a counterpart on the target.
@@ -91,14 +91,17 @@ impl Findings {
 /// The verdict, and the reasons for it, the worst first.
 pub fn judge(found: &Findings) -> (Verdict, Vec<String>) {
     let triangles = |n: usize| if n == 1 { "1 triangle".into() } else { format!("{n} triangles") };
-    let off = found.strength.max(1.0 / found.strength);
+    let off = found.amplitude.max(1.0 / found.amplitude);
     let percent = |part: f64| (100.0 * part).round();
-    let only = if found.strength < 1.0 { "only " } else { "" };
+    let only = if found.amplitude < 1.0 { "only " } else { "" };
     let mut reasons = [
         (grade(found.turned.1, TURNED), format!("{} turned over", triangles(found.turned.0))),
         (grade(found.torn.1, TORN), format!("{} torn", triangles(found.torn.0))),
         (found.open(), format!("closes only {} % of the way", percent(found.closing))),
-        (grade(off, STRENGTH), format!("moves {only}{} % as far as on the source", percent(found.strength))),
+        (
+            grade(off, AMPLITUDE),
+            format!("moves {only}{} % as far as on the source", percent(found.amplitude)),
+        ),
         (
             grade(-found.covered, COVERED.map(|part| -part)),
             format!("only {} % of what moves on the source has a counterpart", percent(found.covered)),
@@ -134,7 +137,7 @@ mod tests {
         along: 0.0,
         gap: 0.0,
         closing: 1.0,
-        strength: 1.0,
+        amplitude: 1.0,
         crooked: 0.0,
         covered: 1.0,
     };
@@ -149,7 +152,7 @@ mod tests {
         assert_eq!(verdict, Verdict::Bad);
         assert_eq!(reasons, ["closes only 55 % of the way", "1 triangle turned over"]);
         assert_eq!(judge(&Findings { along: 0.1, ..closes }).0, Verdict::Look, "a chance touch");
-        let (verdict, reasons) = judge(&Findings { strength: 1.6, crooked: 0.3, ..FINE });
+        let (verdict, reasons) = judge(&Findings { amplitude: 1.6, crooked: 0.3, ..FINE });
         assert_eq!(verdict, Verdict::Look);
         assert_eq!(
             reasons,
@@ -165,7 +168,7 @@ mod tests {
 
     #[test]
     fn a_key_that_has_come_to_rest_is_bad() {
-        let (verdict, reasons) = judge(&Findings { strength: 0.0, ..FINE });
+        let (verdict, reasons) = judge(&Findings { amplitude: 0.0, ..FINE });
         assert_eq!((verdict, reasons[0].as_str()), (Verdict::Bad, "moves only 0 % as far as on the source"));
     }
 }

@@ -12,9 +12,9 @@ const LAYERS: [&[&str]; 8] = [
     &["geometry"],
     &["mesh", "linear"],
     &["options", "symmetry"],
-    &["operators", "riding", "stretch"],
+    &["operators", "riding", "strain_limits"],
     &["stitch"],
-    &["pose", "transfer", "inbetween", "image"],
+    &["pose", "transfer", "inbetween", "picture"],
 ];
 
 const BEGIN: &str = "<!-- imports of the core -->";

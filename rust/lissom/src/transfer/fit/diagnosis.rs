@@ -8,7 +8,7 @@ use super::matching::match_triangles;
 use super::side::Placed;
 use crate::geometry::rigid;
 use crate::geometry::surface::{Hit, Surface};
-use crate::geometry::triangle::normal_and_area;
+use crate::geometry::triangle::{interpolate, normal_and_area};
 use crate::operators::gradient::triangle_gradient;
 use crate::transfer::correspondence::Correspondence;
 use crate::transfer::image::SurfacePoint;
@@ -18,8 +18,8 @@ use crate::{Error, Job, Mesh, Result, Vec3};
 /// than the nearest point of all by this fraction of the diagonal: thin sheets have both sides close.
 const FLIPPED: f64 = 0.01;
 
-/// A triangle is reported as stretched from here on: three times as long as the usual one, or a third as wide.
-pub const STRETCHED: f64 = 3.0;
+/// A triangle is reported as distorted from here on: three times as long as the usual one, or a third as wide.
+pub const DISTORTED: f64 = 3.0;
 
 /// In percent: meshes of which more than this has no counterpart, on either side, are hardly of the same thing. Of one
 /// side alone it says nothing: a face is a small part of a body.
@@ -43,7 +43,7 @@ pub struct Fit {
     /// How far each target vertex is from its image, likewise.
     pub image_distances: Vec<f64>,
     /// How much each source triangle, as its input counts them, is longer or narrower than the usual one.
-    pub stretch: Vec<f64>,
+    pub distortion: Vec<f64>,
     /// The source triangles that face against the target where they lie.
     pub flipped: Vec<u32>,
     /// How far each marker's place on the fitted source is from where it was marked, in the target's units.
@@ -76,8 +76,8 @@ pub struct FitReport {
     pub distance_max_percent: f64,
     /// Fitted triangles that face against the target where they lie.
     pub flipped_triangles: usize,
-    /// Fitted triangles that are stretched along one direction, or squeezed, by more than [`STRETCHED`].
-    pub stretched_triangles: usize,
+    /// Fitted triangles whose distortion is more than [`DISTORTED`].
+    pub distorted_triangles: usize,
     /// Source triangles without a match.
     pub unmatched_source_triangles: usize,
     /// Target triangles without a match.
@@ -139,8 +139,8 @@ pub fn conclude(
 
     let flipped = if overlap { Vec::new() } else { flipped(fitted, onto, match_distance) };
     report.flipped_triangles = flipped.len();
-    let stretches = stretches(source, x);
-    report.stretched_triangles = stretches.iter().filter(|&&s| s > STRETCHED).count();
+    let distortions = distortions(source, x);
+    report.distorted_triangles = distortions.iter().filter(|&&s| s > DISTORTED).count();
     if report.flipped_triangles > 0 {
         report.warnings.push(format!(
             "{} of {} fitted triangles face against the target, which folds them; show the fit to see where",
@@ -160,7 +160,7 @@ pub fn conclude(
         }
         let count = matched.iter().filter(|m| !**m).count();
         let unmatched = mesh.areas().iter().zip(&matched).filter(|(_, m)| !**m);
-        let percent = 100.0 * unmatched.fold(0.0, |sum, (a, _)| sum + a) / mesh.areas().iter().sum::<f64>();
+        let percent = 100.0 * unmatched.fold(0.0, |sum, (a, _)| sum + a) / mesh.area();
         if side == 0 {
             (report.unmatched_source_triangles, report.unmatched_source_percent) = (count, percent);
         } else {
@@ -182,15 +182,15 @@ pub fn conclude(
     let from_image = |(image, &p): (&Option<SurfacePoint>, &Vec3)| match image {
         Some(image) => {
             let corners = source.triangles()[image.triangle as usize].map(|v| x[v as usize]);
-            image.blend(corners).distance(p) * frame.scale
+            interpolate(corners, image.weights).distance(p) * frame.scale
         }
         None => f64::NAN,
     };
     let mut image_distances: Vec<f64> = images.iter().zip(target.rest()).map(from_image).collect();
     target.follow(&mut image_distances);
-    let mut stretch = vec![1.0; source.input_triangles()];
-    for (&id, s) in source.triangle_ids().iter().zip(stretches) {
-        stretch[id as usize] = s;
+    let mut distortion = vec![1.0; source.input_triangles()];
+    for (&id, s) in source.triangle_ids().iter().zip(distortions) {
+        distortion[id as usize] = s;
     }
     let matches = Correspondence {
         pairs: pairs.iter().map(given).collect(),
@@ -204,7 +204,7 @@ pub fn conclude(
         fitted_vertices,
         distances,
         image_distances,
-        stretch,
+        distortion,
         flipped,
         report,
         ..Fit::default()
@@ -221,7 +221,7 @@ fn as_given(mut images: Vec<Option<SurfacePoint>>, on: &Mesh, of: &Mesh) -> Vec<
 }
 
 /// How much longer or narrower than the usual triangle each one of `source` is at `x`.
-fn stretches(source: &Mesh, x: &[Vec3]) -> Vec<f64> {
+fn distortions(source: &Mesh, x: &[Vec3]) -> Vec<f64> {
     let rest = source.rest();
     let values: Vec<[f64; 2]> = (source.triangles().par_iter())
         .map(|t| singular_values(t.map(|v| rest[v as usize]), t.map(|v| x[v as usize])))

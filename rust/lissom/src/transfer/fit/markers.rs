@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use super::pulls::Pull;
 use crate::geometry::rigid::{self, Alignment};
 use crate::geometry::surface::Surface;
+use crate::geometry::triangle::interpolate;
 use crate::{Error, Fault, Mesh, Result, Vec3, rotation};
 
 /// Markers are collinear when none lies further than this fraction of their extent from a line.
@@ -175,7 +176,7 @@ fn on_triangle(source: &Mesh, triangle: usize, weights: Vec3, goal: Vec3) -> Mar
     match (0..3).find(|&k| weights[k] > 1.0 - AT_VERTEX) {
         Some(k) => Marker::at_vertex(source, corners[k], goal),
         None => {
-            let rest = (0..3).map(|k| source.rest()[corners[k] as usize] * weights[k]).sum();
+            let rest = interpolate(corners.map(|v| source.rest()[v as usize]), weights);
             Marker { corners, weights, rest, goal, tangent: Vec3::ZERO }
         }
     }

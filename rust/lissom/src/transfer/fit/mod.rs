@@ -39,7 +39,7 @@ mod side;
 mod suggest;
 
 pub use correspond::fit_correspondence;
-pub use diagnosis::{Fit, FitReport, STRETCHED};
+pub use diagnosis::{DISTORTED, Fit, FitReport};
 pub use doubtful::Doubtful;
 pub use options::FitOptions;
 pub use suggest::{Fitted, next_marker};

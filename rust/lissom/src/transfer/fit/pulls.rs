@@ -9,6 +9,7 @@
 //! Range Images).
 
 use crate::Vec3;
+use crate::geometry::triangle::interpolate;
 
 /// One of them.
 #[derive(Debug, Clone, Copy)]
@@ -40,7 +41,7 @@ impl Pull {
 
     /// `sum_c w_c x_c`
     pub fn place(&self, x: &[Vec3]) -> Vec3 {
-        (0..3).map(|k| x[self.corners[k] as usize] * self.weights[k]).sum()
+        interpolate(self.corners.map(|v| x[v as usize]), self.weights)
     }
 
     /// `P` as directions, and how much each counts.

@@ -26,7 +26,7 @@ pub fn same(source: &Mesh, target: &Mesh, warnings: Vec<String>) -> Fit {
         fitted_vertices: target.vertices().to_vec(),
         distances: vec![0.0; n],
         image_distances: vec![0.0; n],
-        stretch: vec![1.0; source.input_triangles()],
+        distortion: vec![1.0; source.input_triangles()],
         report: FitReport { warnings, certainty: 1.0, ..FitReport::default() },
         ..Fit::default()
     }

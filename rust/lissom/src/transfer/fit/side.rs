@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::component_pairs::triangle_components;
 use crate::geometry::surface::{Hit, Surface};
-use crate::geometry::triangle::vertex_normals;
+use crate::geometry::triangle::{interpolate, vertex_normals};
 use crate::{Error, Fault, Mesh, Result, Vec3};
 
 /// A point is on an edge where the opposite corner counts for less than this.
@@ -142,8 +142,7 @@ impl<'a> Placed<'a> {
     /// The normal at a point of a triangle, smooth across edges.
     pub fn normal(&self, triangle: usize, weights: Vec3) -> Vec3 {
         let corners = self.side.mesh.triangles()[triangle];
-        let blend: Vec3 =
-            (0..3).map(|k| self.normals[corners[k] as usize].normalize_or_zero() * weights[k]).sum();
+        let blend: Vec3 = interpolate(corners.map(|v| self.normals[v as usize].normalize_or_zero()), weights);
         blend.try_normalize().unwrap_or(self.surface.normal(triangle))
     }
 }

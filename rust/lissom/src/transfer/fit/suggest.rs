@@ -1,7 +1,7 @@
 //! Where the next marker helps most.
 //!
 //! Where a fit has slid along the surface it has stretched some triangles and squeezed others, and it can slide the
-//! further, the further away the markers are. So it is the vertex with the largest `d * mean(log stretch)`: the mean
+//! further, the further away the markers are. So it is the vertex with the largest `d * mean(log distortion)`: the mean
 //! over its triangles, `d` its distance to the nearest marker, among the components that bear markers. What it belongs
 //! to on the target is nearest to where it was fitted: to be corrected by eye.
 
@@ -15,8 +15,8 @@ pub struct Fitted {
     pub vertices: Vec<Vec3>,
     /// How far from the target that is, NaN where nothing faces it.
     pub distances: Vec<f64>,
-    /// How much each triangle of the source's input was stretched, at least 1.
-    pub stretch: Vec<f64>,
+    /// How much each triangle of the source's input was distorted, at least 1.
+    pub distortion: Vec<f64>,
 }
 
 /// Source vertex and target vertex of the marker to add next to `markers`, `None` where every vertex is marked.
@@ -39,7 +39,7 @@ pub fn next_marker(
     if let Some(fault) = outside {
         return Err(Error::InvalidConstraint(fault));
     }
-    if fit.vertices.len() != rest.len() || fit.stretch.len() != source.input_triangles() {
+    if fit.vertices.len() != rest.len() || fit.distortion.len() != source.input_triangles() {
         return Err(Error::InvalidConstraint(Fault::new(
             "fit",
             "was made for meshes of other faces: make it anew",
@@ -58,7 +58,7 @@ pub fn next_marker(
     for (triangle, &id) in source.triangles().iter().zip(source.triangle_ids()) {
         for &v in triangle {
             let (sum, count) = &mut around[v as usize];
-            *sum += fit.stretch[id as usize].ln();
+            *sum += fit.distortion[id as usize].ln();
             *count += 1.0;
         }
     }

@@ -10,7 +10,7 @@ use crate::{Job, Result, memory};
 /// Part of the way between two pixels that contours keep from either, so that no two of them touch.
 const MARGIN: f64 = 0.02;
 
-/// Pixels are repeated beyond the image's border once, so that contours meet it at right angles, and then end.
+/// Pixels are repeated beyond the picture's border once, so that contours meet it at right angles, and then end.
 const BEYOND: usize = 2;
 
 /// Bytes that a step of a contour takes while it is sought.

@@ -1,4 +1,4 @@
-//! A flat mesh of an image: what its alpha leaves of the plane, in triangles that deform well.
+//! A flat mesh of a picture: what its alpha leaves of the plane, in triangles that deform well.
 //!
 //! The outline is the contour of the alpha at a threshold (marching squares), simplified within a tolerance; it is
 //! filled with a lattice of equilateral triangles and refined until no angle is small (Ruppert 1995; Chew 1989).
@@ -13,7 +13,7 @@ mod triangulate;
 use glam::DVec2;
 
 pub use alpha::Alpha;
-pub use options::ImageMeshOptions;
+pub use options::PictureMeshOptions;
 
 use crate::options::OptionSet;
 use crate::{Error, Fault, Job, Result, Vec3, memory};
@@ -21,10 +21,10 @@ use crate::{Error, Fault, Job, Result, Vec3, memory};
 /// Edges of the default length along the side of a square as large as the opaque area; none is less than a pixel.
 const EDGES: f64 = 25.0;
 
-/// A flat mesh and where its vertices are in the image.
+/// A flat mesh and where its vertices are in the picture.
 #[derive(Debug, Clone)]
-pub struct ImageMesh {
-    /// In pixels: x to the right and y up from the lower left corner of the image, z = 0.
+pub struct PictureMesh {
+    /// In pixels: x to the right and y up from the lower left corner of the picture, z = 0.
     pub vertices: Vec<Vec3>,
     /// Counterclockwise.
     pub triangles: Vec<[u32; 3]>,
@@ -41,9 +41,9 @@ pub struct ImageMesh {
 ///
 /// # Errors
 ///
-/// [`Error::InvalidValue`] for an image without pixels, values that are not within 0-1, indexed row by row, options
+/// [`Error::InvalidValue`] for a picture without pixels, values that are not within 0-1, indexed row by row, options
 /// out of range, and where nothing is opaque; [`Error::OutOfMemory`], [`Error::Cancelled`].
-pub fn image_mesh(alpha: Alpha<'_>, options: &ImageMeshOptions, job: &Job) -> Result<ImageMesh> {
+pub fn picture_mesh(alpha: Alpha<'_>, options: &PictureMeshOptions, job: &Job) -> Result<PictureMesh> {
     options.check()?;
     alpha.check()?;
     job.report(0.0, "Outline");
@@ -84,7 +84,7 @@ pub fn image_mesh(alpha: Alpha<'_>, options: &ImageMeshOptions, job: &Job) -> Re
     let size = DVec2::new(alpha.width as f64, alpha.height() as f64);
     // Points on the border are divided with rounding.
     mesh.points.iter_mut().for_each(|point| *point = point.clamp(DVec2::ZERO, size));
-    Ok(ImageMesh {
+    Ok(PictureMesh {
         uv: mesh.points.iter().map(|&p| (p / size).to_array()).collect(),
         vertices: mesh.points.iter().map(|p| p.extend(0.0)).collect(),
         triangles: mesh.triangles,

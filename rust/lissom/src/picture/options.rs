@@ -1,11 +1,11 @@
-//! Options of the mesh of an image.
+//! Options of the mesh of a picture.
 
 use crate::options::options;
 
 options! {
-    /// Options of [`super::image_mesh`].
+    /// Options of [`super::picture_mesh`].
     #[derive(Debug, Clone)]
-    pub struct ImageMeshOptions {
+    pub struct PictureMeshOptions {
         /// Wanted length of edges; 0 takes a 25th of the square root of the opaque area, some 1500 triangles, and no less
         /// than a pixel.
         pub edge: f64 = 0.0 => at_least(0.0) unit("pixels"),

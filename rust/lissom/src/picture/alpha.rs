@@ -1,8 +1,8 @@
-//! The opacity of an image's pixels.
+//! The opacity of a picture's pixels.
 
 use crate::{Error, Fault, Result};
 
-/// Alpha of an image, row by row from the top.
+/// Alpha of a picture, row by row from the top.
 #[derive(Debug, Clone, Copy)]
 pub struct Alpha<'a> {
     /// In 0-1, `width` times as many as there are rows.

@@ -8,7 +8,7 @@ use super::surface::{Hit, Surface};
 use crate::Vec3;
 
 /// A closed surface whose triangles face outwards.
-pub struct Solid {
+pub struct Body {
     surface: Surface,
     triangles: Vec<[u32; 3]>,
     /// Pseudo-normals of the vertices ...
@@ -28,7 +28,7 @@ pub struct SignedDistance {
     pub out: Vec3,
 }
 
-impl Solid {
+impl Body {
     /// `None` without triangles.
     pub fn new(vertices: &[Vec3], triangles: Vec<[u32; 3]>) -> Option<Self> {
         if triangles.is_empty() {
@@ -92,25 +92,25 @@ mod tests {
     use super::*;
 
     /// A tetrahedron with a long thin spike: normals of single triangles would mistake the side beyond its tip.
-    fn spike() -> Solid {
+    fn spike() -> Body {
         let vertices =
             [Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, -0.5, 0.8), Vec3::new(0.0, -0.5, -0.8), Vec3::X * 9.0];
-        Solid::new(&vertices, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).unwrap()
+        Body::new(&vertices, vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]).unwrap()
     }
 
     #[test]
     fn the_side_is_right_around_vertices_edges_and_faces() {
-        let solid = spike();
-        let distance = |p: Vec3| solid.side(p, f64::MAX).unwrap().signed_distance;
+        let body = spike();
+        let distance = |p: Vec3| body.side(p, f64::MAX).unwrap().signed_distance;
         assert!((distance(Vec3::new(9.5, 0.3, -0.2)) - Vec3::new(0.5, 0.3, -0.2).length()).abs() < 1e-12);
         assert!(distance(Vec3::new(0.5, 0.0, 0.0)) < 0.0 && distance(Vec3::new(-0.5, 0.0, 0.0)) == 0.5);
         assert!((0..100).all(|k| {
             let p = Vec3::new(0.09 * f64::from(k) - 1.0, 0.02, 0.01);
             (distance(p) < 0.0) == (p.x > 0.0 && p.x < 8.7) || (p.x - 8.7).abs() < 0.2
         }));
-        let side = solid.side(Vec3::new(-0.2, 0.1, 0.0), 0.3).unwrap();
+        let side = body.side(Vec3::new(-0.2, 0.1, 0.0), 0.3).unwrap();
         assert_eq!((side.hit.triangle, side.out), (0, -Vec3::X));
         assert!((side.hit.weights.element_sum() - 1.0).abs() < 1e-12);
-        assert!(solid.side(Vec3::new(-0.2, 0.1, 0.0), 0.1).is_none());
+        assert!(body.side(Vec3::new(-0.2, 0.1, 0.0), 0.1).is_none());
     }
 }
