@@ -44,6 +44,18 @@ pub fn triangle_gradient(rest: [Vec3; 3], posed: [Vec3; 3]) -> Mat3 {
     outer(moved[0], d1) + outer(moved[1], d2) + outer(moved_normal, normal)
 }
 
+/// Both singular values of the map from triangle `rest` to `posed`, the larger first.
+pub fn singular_values(rest: [Vec3; 3], posed: [Vec3; 3]) -> [f64; 2] {
+    let (normal, _) = normal_and_area(rest);
+    let gradient = triangle_gradient(rest, posed);
+    let a = normal.any_orthonormal_vector();
+    let (fa, fb) = (gradient * a, gradient * normal.cross(a));
+    // Sum of their squares, and their product.
+    let (squares, product) = (fa.length_squared() + fb.length_squared(), fa.cross(fb).length());
+    let (plus, minus) = ((squares + 2.0 * product).sqrt(), (squares - 2.0 * product).max(0.0).sqrt());
+    [0.5 * (plus + minus), 0.5 * (plus - minus)]
+}
+
 /// The least turn that takes the direction of `from` to that of `to`, and the stretch along it.
 fn along(from: Vec3, to: Vec3) -> Mat3 {
     let (Some(a), Some(b)) = (from.try_normalize(), to.try_normalize()) else {
@@ -77,5 +89,18 @@ mod tests {
         let q = triangle_gradient(rest, [Vec3::ZERO, Vec3::Y * 2.0, Vec3::Y]);
         assert!((q * Vec3::X - Vec3::Y * 2.0).length() < 1e-12);
         assert!(q.is_finite());
+    }
+
+    #[test]
+    fn a_triangle_is_stretched_as_its_map_is() {
+        let rest = [Vec3::new(0.1, 0.2, 0.3), Vec3::new(1.0, -0.4, 0.2), Vec3::new(0.3, 0.8, -0.5)];
+        let turn = rotation::exp(Vec3::new(0.4, -1.0, 0.7));
+        let along = (rest[1] - rest[0]).normalize();
+        let map = |p: Vec3| turn * (p + along * (1.7 * (p - rest[0]).dot(along)));
+        for (posed, known) in [(rest.map(map), [2.7, 1.0]), (rest, [1.0, 1.0])] {
+            let found = singular_values(rest, posed);
+            // Where they are equal, half of the digits are lost.
+            assert!((found[0] - known[0]).abs() < 1e-7 && (found[1] - known[1]).abs() < 1e-7, "{found:?}");
+        }
     }
 }

@@ -13,6 +13,7 @@
 
 use super::apply::Transfer;
 use super::choose::SourceKey;
+use crate::operators::gradient::singular_values;
 use crate::{Mat3, Mesh, Vec3};
 
 impl Transfer {
@@ -78,7 +79,7 @@ impl<'a> Stretched<'a> {
                 continue;
             }
             let rest = corners.map(|v| source.rest()[v as usize]);
-            let most = most_stretched(rest, [rest[0] + d[0], rest[1] + d[1], rest[2] + d[2]]);
+            let [most, _] = singular_values(rest, [rest[0] + d[0], rest[1] + d[1], rest[2] + d[2]]);
             corners.iter().for_each(|&v| vertices[v as usize] = most.max(vertices[v as usize]));
         }
         Self { source, vertices }
@@ -90,34 +91,5 @@ impl<'a> Stretched<'a> {
             .map(|v| self.vertices[v as usize])
             .into_iter()
             .fold(1.0, f64::max)
-    }
-}
-
-/// The larger singular value of the map from one triangle to another: the root of the larger eigenvalue of
-/// `G^-1 H`, with the dot products of the edges before and after.
-fn most_stretched(rest: [Vec3; 3], posed: [Vec3; 3]) -> f64 {
-    let products = |[a, b, c]: [Vec3; 3]| {
-        let (u, v) = (b - a, c - a);
-        (u.dot(u), u.dot(v), v.dot(v))
-    };
-    let ((e, f, g), (p, q, r)) = (products(rest), products(posed));
-    let area = e * g - f * f;
-    let (half, product) = (0.5 * (g * p - 2.0 * f * q + e * r) / area, (p * r - q * q) / area);
-    let larger = half + (half * half - product).max(0.0).sqrt();
-    if larger.is_finite() { larger.sqrt() } else { 1.0 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_triangle_is_stretched_as_its_map_is() {
-        let rest = [Vec3::new(0.1, 0.2, 0.3), Vec3::new(1.0, -0.4, 0.2), Vec3::new(0.3, 0.8, -0.5)];
-        let turn = crate::rotation::exp(Vec3::new(0.4, -1.0, 0.7));
-        let along = (rest[1] - rest[0]).normalize();
-        let map = |p: Vec3| turn * (p + along * (1.7 * (p - rest[0]).dot(along)));
-        assert!((most_stretched(rest, rest.map(map)) - 2.7).abs() < 1e-12);
-        assert!((most_stretched(rest, rest) - 1.0).abs() < 1e-7);
     }
 }

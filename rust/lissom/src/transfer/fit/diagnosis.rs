@@ -8,8 +8,8 @@ use super::matching::match_triangles;
 use super::side::Placed;
 use crate::geometry::rigid;
 use crate::geometry::surface::{Hit, Surface};
-use crate::geometry::triangle::{interpolate, normal_and_area};
-use crate::operators::gradient::triangle_gradient;
+use crate::geometry::triangle::interpolate;
+use crate::operators::gradient::singular_values;
 use crate::transfer::correspondence::Correspondence;
 use crate::transfer::image::SurfacePoint;
 use crate::{Error, Job, Mesh, Result, Vec3};
@@ -230,18 +230,6 @@ fn distortions(source: &Mesh, x: &[Vec3]) -> Vec<f64> {
     sizes.sort_unstable_by(f64::total_cmp);
     let usual = sizes.get(sizes.len() / 2).copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
     values.iter().map(|[a, b]| (a / usual).max(usual / b.max(f64::MIN_POSITIVE))).collect()
-}
-
-/// Both singular values of the map from triangle `rest` to `posed`, the larger first.
-fn singular_values(rest: [Vec3; 3], posed: [Vec3; 3]) -> [f64; 2] {
-    let (normal, _) = normal_and_area(rest);
-    let gradient = triangle_gradient(rest, posed);
-    let a = normal.any_orthonormal_vector();
-    let (fa, fb) = (gradient * a, gradient * normal.cross(a));
-    // Sum of their squares, and their product.
-    let (squares, product) = (fa.length_squared() + fb.length_squared(), fa.cross(fb).length());
-    let (plus, minus) = ((squares + 2.0 * product).sqrt(), (squares - 2.0 * product).max(0.0).sqrt());
-    [0.5 * (plus + minus), 0.5 * (plus - minus)]
 }
 
 /// Fitted triangles whose place on the target faces the other way. Linings, as those of lids and sockets, lie so close
