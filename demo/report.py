@@ -34,9 +34,15 @@ def expressions(rows):
         "motion_rms": "RMS motion", "motion_max": "Max motion", "closest_point_rms": "Closest point, RMS",
     }  # fmt: skip
     mean = {column: sum(row[column] for row in rows) / len(rows) for column in columns}
-    lines = [{"expression": "**mean**", **mean}]
+    lines = [{"expression": f"**mean of all {len(rows)}**", **mean}]
     body = [(row["expression"], *(f"{row[column]:.3f}" for column in columns)) for row in [*rows, *lines]]
     return table(("Expression", *columns.values()), body)
+
+
+def stale(rows, text):
+    """The lines of a document that are as this table's by their first column, and not by the others."""
+    known = {line.split("|")[1]: line for line in expressions(rows).splitlines()[2:]}
+    return [line for line in text.splitlines() if known.get(line[1:].partition("|")[0], line) != line]
 
 
 def table(heads, rows):

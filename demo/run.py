@@ -73,7 +73,10 @@ def main(arguments):
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "demo.blend"), compress=True)
     figures["seconds"] = time.perf_counter() - started
     report.write(folder, figures)
-    print(report.expressions(figures["remeshed"]["expressions"]))
+    errors = figures["remeshed"]["expressions"]
+    print(report.expressions(errors))
+    for line in report.stale(errors, (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")):
+        print(f"docs/benchmarks.md has another row: {line}")
     made = f"demo.blend, report.md, {len(pictures)} pictures and {len(films)} films"
     print(f"{folder}: {made} in {figures['seconds']:.0f} s")
     if arguments.publish:
