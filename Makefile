@@ -49,8 +49,8 @@ $(WHEEL): $(TOOLS) $(RUST) $(PYTHON_SOURCE) LICENSE THIRD_PARTY.txt
 .venv/bpy-%/ready: .venv/bpy-%/blender $(WHEEL)
 	.venv/bpy-$*/bin/python $(PIP_INSTALL) --force-reinstall --no-deps dist/*.whl
 	.venv/bpy-$*/bin/python -c 'import bpy' || { echo; \
-		echo "Blender as a module needs these system libraries (Debian's names):"; \
-		echo "  libx11-6 libxrender1 libxxf86vm1 libxfixes3 libxi6 libxkbcommon0 libsm6 libgl1"; exit 1; }
+		echo "Blender as a module needs these system libraries (Debian's names); .ci/libraries installs them:"; \
+		sed -n 's/^LIBRARIES=//p' .ci/libraries; exit 1; }
 	touch $@
 
 # --- the jobs ---------------------------------------------------------------------------------------
