@@ -18,11 +18,12 @@ from ..core.face import face_work
 from ..core.face_found import Marks, Unsure
 from ..core.face_parts import KINDS
 from ..core.landmarks import MIDDLES
-from ..core.quality import as_dicts, pack_faces
+from ..core.quality import pack_faces
 from ..core.refused import Refused, first
 from ..core.surface import closest
 from . import Asked, Done
 from .corrections import Corrections
+from .parts import quality_told
 from .transfer_keys import destinations
 
 
@@ -206,7 +207,7 @@ class FaceKeys:
                     elif field == "faces":
                         value = pack_faces({self._side.name: self._side.polygons(value)[0]})
                     setattr(row, field, value.item() if isinstance(value, np.generic) else value)
-        return as_dicts(rows)
+        return quality_told(context.scene.lissom_transfer)
 
 
 def _told(text, objects):

@@ -4,10 +4,11 @@ import os
 
 import numpy as np
 
+from .. import session
 from ..bridge import checks, views
 from ..bridge.meshes import rest_positions, select_vertices
 from ..core.files import write_json
-from ..core.quality import as_dicts, unpack_faces
+from ..core.quality import as_dicts, badness, unpack_faces
 from ..core.refused import Refused
 from . import Done
 
@@ -34,6 +35,15 @@ def remove(context, side, place):
     if place >= len(parts):
         raise Refused(f"There is no further object {place}: there are {len(parts)}")
     parts.remove(place)
+
+
+def quality_told(settings):
+    """The table as dicts, the worst first, to whose row the list scrolls; a review stays at its own."""
+    rows = settings.quality
+    if len(rows) and session.review is None:
+        by = settings.quality_order
+        settings.active_quality = max(range(len(rows)), key=lambda place: badness(rows[place], by))
+    return as_dicts(rows)
 
 
 def save_quality(context, path):

@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 from ..bridge import animation, groups, shape_keys
 from ..core import names
-from ..core.quality import as_dicts, pack_faces
+from ..core.quality import pack_faces
 from ..core.refused import Refused, first
 from ..core.transfer import Keys, carried_weights, transfer_work
 from .corrections import Corrections, Found
 from .fit import FitDone, Request, TransferAsked, key_names, where
+from .parts import quality_told
 
 
 @dataclass(kw_only=True)
@@ -148,7 +149,7 @@ class TransferKeys:
                     found["faces"] = pack_faces(dict(zip(objects, parts, strict=True)))
                 for field, value in found.items():
                     setattr(row, field, value)
-        return as_dicts(rows)
+        return quality_told(context.scene.lissom_transfer)
 
     def _copy_drivers(self, sources, main, target, plan):
         left = []

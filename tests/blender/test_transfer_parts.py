@@ -193,6 +193,7 @@ def test_the_quality_of_every_key_is_listed_and_saved(tmp_path):
     rows = json.loads((tmp_path / "quality.json").read_text())["keys"]
     ranks = [["good", "look", "bad"].index(row["verdict"]) for row in rows]
     assert len(rows) == 4 and ranks == sorted(ranks, reverse=True)
+    assert settings.quality[settings.active_quality].name == rows[0]["name"]  # where the list scrolls to
     assert rows[-1] == {
         "name": "nothing.001", "verdict": "good", "reasons": [], "faces": {}, "flipped_triangles": 0,
         "torn_triangles": 0, "contacts": 0, "contact_gap": 0.0, "closing": 1.0, "amplitude": 1.0,
