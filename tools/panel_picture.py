@@ -3,10 +3,12 @@
     blender --command extension install-file -r user_default -e dist/lissom-<version>-<platform>.zip
     Xvfb :9 -screen 0 1600x1000x24 &
     DISPLAY=:9 blender --factory-startup -p 0 0 1600 1000 --python tools/panel_picture.py &
-    DISPLAY=:9 import -window root docs/pictures/panel.png      once it prints "ready"
+    DISPLAY=:9 xdotool mousemove 1283 500 click --repeat 16 --delay 150 5      once it prints "ready"
+    DISPLAY=:9 import -window root -crop 800x840+515+62 +repage docs/pictures/panel.png
 
 With ``-- pose`` after the script's name it sets the scene of docs/pictures/panel_pose.png, a bound head, and
-with ``-- inbetween`` that of panel_inbetween.png, a bent tube; cut them out with ``-crop 985x840+330+62``.
+with ``-- inbetween`` that of panel_inbetween.png, a bent tube; those are not scrolled, and cut out with
+``-crop 985x840+330+62``. On the page a picture is 750 wide: a whole window could not be read.
 
 ImageMagick's import takes the picture: Blender's own screenshot is black on a display without graphics card.
 """
@@ -36,8 +38,8 @@ def transferred():
     skin = scene.material("Given", (0.44, 0.38, 0.33), 0.55)
     made = scene.material("Made by Lissom", (0.07, 0.27, 0.31), 0.5)
     into = bpy.context.scene.collection
-    given = source.make("ICT skin", ict.load().only(*source.SKIN), skin, into, (-1.5, 0, 0))
-    monkey, eyes = suzanne.make(made, into, (1.5, 0, 0.1))
+    given = source.make("ICT skin", ict.load().only(*source.SKIN), skin, into, (-1.25, 0, 0))
+    monkey, eyes = suzanne.make(made, into, (1.25, 0, 0.1))
     eyes.vertex_groups.new(name=suzanne.EYES).add(list(range(len(eyes.data.vertices))), 1.0, "REPLACE")
     settings = bpy.context.scene.lissom_transfer
     settings.source, settings.target = given, monkey
@@ -99,8 +101,9 @@ def arrange():
     space.overlay.show_cursor = False
     view = space.region_3d
     view.view_rotation = Euler((1.45, 0, 0.2)).to_quaternion()
-    view.view_location = (0.5, 0, -0.1)
-    view.view_distance = 6.8
+    two = bpy.context.window_manager.lissom_page == "TRANSFER"
+    view.view_location = (-1.1 if two else 0.5, 0, -0.1)
+    view.view_distance = 10.4 if two else 6.8
     yield SETTLE  # the tab is known once the sidebar was drawn
     sidebar = next(region for region in area.regions if region.type == "UI")
     sidebar.active_panel_category = "Lissom"
