@@ -107,7 +107,7 @@ pub trait Method: Send + std::fmt::Debug {
     ///
     /// # Errors
     ///
-    /// [`Error::Cancelled`], and [`Error::SolveFailed`] where the linear algebra gives up.
+    /// [`crate::Error::Cancelled`], and [`crate::Error::SolveFailed`] where the linear algebra gives up.
     fn solve(&mut self, region: &Region, goal: &Goal, options: &SolveOptions, job: &Job) -> Result<Solution>;
 
     /// Lets the next solve go on from the last one, which nothing has stopped since.

@@ -16,7 +16,7 @@
 //! *Local step.* For given positions the energy is `const - 2 sum C : cov(x)`, where the covariances are the adjoint
 //! of the divergence, `<div C, x> = sum C : cov(x)`. The best rotations are those nearest to them.
 //!
-//! Both are steps down the same energy, which [`refine`] takes with an eye on the last ones; either the shape is what
+//! Both are steps down the same energy, which [`refine()`] takes with an eye on the last ones; either the shape is what
 //! it moves, or the rotations of the vertices.
 
 mod differences;

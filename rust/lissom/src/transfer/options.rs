@@ -67,7 +67,7 @@ options! {
 }
 
 options! {
-    /// Options of learning from corrected keys ([`super::learn`]).
+    /// Options of learning from corrected keys ([`super::learn()`]).
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct LearnOptions {
         /// How much of what is learned is taken.

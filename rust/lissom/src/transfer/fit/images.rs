@@ -42,7 +42,7 @@ pub fn images(
 ///
 /// # Errors
 ///
-/// [`Error::Cancelled`].
+/// [`crate::Error::Cancelled`].
 pub fn images_of_overlap(
     on: &Placed,
     of: &Placed,
