@@ -6,6 +6,7 @@ the loops beside it the rim is the one that leaves the smallest opening from the
 leave much the same the one in front.
 """
 
+from itertools import permutations
 from typing import NamedTuple
 
 import lissom
@@ -18,18 +19,32 @@ LEAST = 8  # vertices of a rim
 NEAR = 0.6  # of the distance of the eyes: an opening further from where it should be is another
 MOST = 1.6  # of the distance of the eyes: a rim that is wider is that of the neck or of a cut
 ALIKE = 0.02  # of the square of its width: openings that differ by less are the same from the front
-LEVEL = 0.25  # of the distance of the eyes: one eye is no higher than the other, nor further back
+LEVEL = 0.25  # of the distance of the eyes: one eye is no higher than the other
+TURNED = np.tan(np.radians(35))  # sideways over ahead: a head looks along -y within this
 
 
 class Opening(NamedTuple):
-    """A border of the mesh: the loop of its rim, ending with its first, its middle, and its extent (3,);
+    """A border of the mesh: the loop of its rim, ending with its first, and ``points`` (k, 3) along it;
     ``behind``, the vertices between the rim and the border, and of the lining from there on.
     """
 
     loop: np.ndarray
-    middle: np.ndarray
-    extent: np.ndarray
+    points: np.ndarray
     behind: np.ndarray
+
+    @property
+    def middle(self):
+        """(3,)."""
+        return (self.points.min(axis=0) + self.points.max(axis=0)) / 2
+
+    @property
+    def extent(self):
+        """(3,)."""
+        return np.ptp(self.points, axis=0)
+
+    def seen_from(self, turn):
+        """The same in the axes that are the rows of ``turn`` (3, 3)."""
+        return self._replace(points=self.points @ turn.T)
 
 
 def filled(triangles):
@@ -57,10 +72,8 @@ def openings(vertices, triangles, lines):
         pocket = np.setdiff1d(pockets[loop], -1)
         rim, behind = (loop, loop[:0]) if len(pocket) else _rim(vertices, set(loop.tolist()), beside)
         if rim is not None and len(rim) > LEAST:
-            points = vertices[rim]
-            middle = (points.min(axis=0) + points.max(axis=0)) / 2
             behind = np.setdiff1d(np.union1d(behind, np.flatnonzero(np.isin(pockets, pocket))), rim)
-            found.append(Opening(rim, middle, np.ptp(points, axis=0), behind))
+            found.append(Opening(rim, vertices[rim], behind))
     return sorted(found, key=lambda opening: len(opening.loop))
 
 
@@ -154,31 +167,52 @@ def of_face(found, balls):
     """(3, 3) middles of the left eye, the right eye and the mouth, by the Openings and the eyeballs alone,
     or None.
 
-    The eyes are two openings of a size, at a height and with an eyeball (centre, radius) behind each; the
-    mouth is the widest opening below the eyes and between them, where nostrils are too.
+    The eyes are the only two openings of a size, at a height and with an eyeball (centre, radius) behind each
+    that have a mouth: the widest opening below and between them, where nostrils are too.
     """
-    eyes = [
-        (one, ball)
-        for one in found
-        for ball in balls
-        if np.linalg.norm((one.middle - ball[0])[[0, 2]]) < 0.6 * ball[1] and one.extent[0] < 2.4 * ball[1]
-    ]
-    if len(eyes) != 2 or eyes[0][0] is eyes[1][0] or eyes[0][1] is eyes[1][1]:
-        return None
-    (left, _), (right, _) = sorted(eyes, key=lambda eye: -eye[0].middle[0])
+    faces = []
+    for left, right in permutations(found, 2):
+        line = left.middle - right.middle
+        if line[0] <= 0 or abs(line[1]) > TURNED * line[0]:
+            continue
+        aside = line * [1, 1, 0] / np.hypot(*line[:2])
+        turn = np.array([aside, [-aside[1], aside[0], 0], [0, 0, 1]])  # as the head looks
+        eyes = [one.seen_from(turn) for one in (left, right)]
+        if _are_eyes(*eyes, [(turn @ centre, radius) for centre, radius in balls]):
+            mouth = _mouth(*eyes, [one.seen_from(turn) for one in found])
+            if mouth is not None:
+                faces.append(np.array([left.middle, right.middle, turn.T @ mouth.middle]))
+    return faces[0] if len(faces) == 1 else None
+
+
+def _are_eyes(left, right, balls):
     apart = np.linalg.norm(left.middle - right.middle)
-    off = np.abs(left.middle - right.middle)[1:]
-    if off.max() > LEVEL * apart or not np.allclose(left.extent, right.extent, atol=0.15 * apart):
-        return None
-    between = (left.middle + right.middle) / 2
+    alike = np.allclose(left.extent[[0, 2]], right.extent[[0, 2]], atol=0.15 * apart)
+    if not alike or abs(left.middle[2] - right.middle[2]) > LEVEL * apart:
+        return False
+    own = [
+        [
+            (radius, number)
+            for number, (centre, radius) in enumerate(balls)
+            if np.linalg.norm((eye.middle - centre)[[0, 2]]) < 0.6 * radius and eye.extent[0] < 2.4 * radius
+        ]
+        for eye in (left, right)
+    ]
+    # A cap of hair is a ball behind both.
+    return all(own) and min(own[0]) != min(own[1])
+
+
+def _mouth(left, right, found):
+    """The Opening of the mouth below two eyes, or None; that of the neck is further back."""
+    between, apart = (left.middle + right.middle) / 2, np.linalg.norm(left.middle - right.middle)
+    off = [(one, (one.middle - between) / apart) for one in found]
     below = [
         one
-        for one in found
-        if abs(one.middle[0] - between[0]) < 0.2 * apart
-        and between[2] - 2.5 * apart < one.middle[2] < between[2] - 0.3 * apart
+        for one, (aside, back, up) in off
+        if abs(aside) < 0.2
+        and -2.5 < up < -0.3
         and one.extent[0] < MOST * apart * 1.5
         and one.extent[2] < one.extent[0]
-        and abs(one.middle[1] - between[1]) < 1.5 * apart
+        and abs(back) < 1.5
     ]
-    mouth = max(below, key=lambda one: one.extent[0], default=None)
-    return None if mouth is None else np.array([left.middle, right.middle, mouth.middle])
+    return max(below, key=lambda one: one.extent[0], default=None)

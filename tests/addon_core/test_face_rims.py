@@ -1,0 +1,44 @@
+"""The face is told by openings and eyeballs, whichever way it looks and whatever it wears."""
+
+import numpy as np
+import pytest
+from lissom_addon_core import face_rims
+from lissom_addon_core.face_rims import Opening
+
+EYES = {1: np.array([0.4, -0.9, 0.2]), -1: np.array([-0.4, -0.9, 0.2])}
+MOUTH = np.array([0.0, -0.95, -0.4])
+
+
+def ring(middle, wide, high, count=24):
+    angle = np.linspace(0, 2 * np.pi, count + 1)
+    points = middle + np.column_stack([wide * np.cos(angle), 0 * angle, high * np.sin(angle)])
+    return Opening(np.arange(count + 1), points, np.zeros(0, dtype=int))
+
+
+def face(degrees, **more):
+    """Openings, balls, and the three middles, of a head turned about the vertical."""
+    turn = np.radians(degrees)
+    turn = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    found = [ring(eye, 0.15, 0.2) for eye in EYES.values()] + [ring(MOUTH, 0.3, 0.02)]
+    found += [ring(MOUTH + [0, -0.1, 0.2], 0.06, 0.03), *more.get("rings", [])]
+    balls = [(eye + [0, 0.2, 0], 0.25) for eye in EYES.values()] + more.get("balls", [])
+    middles = np.array([*EYES.values(), MOUTH]) @ turn.T
+    return [one.seen_from(turn) for one in found], [(turn @ c, r) for c, r in balls], middles
+
+
+@pytest.mark.parametrize("degrees", [0, 12, 25, -30])
+def test_a_face_is_found_as_it_looks_and_a_cap_of_hair_is_no_eye(degrees):
+    found, balls, middles = face(degrees)
+    np.testing.assert_allclose(face_rims.of_face(found, balls), middles, atol=1e-9)
+    hair = [(np.array([0, 0.1, 0.1]), 1.1)]
+    found, balls, middles = face(degrees, balls=hair, rings=[ring(np.array([0, 1.0, 0]), 0.9, 0.9)])
+    np.testing.assert_allclose(face_rims.of_face(found, balls), middles, atol=1e-9)
+
+
+def test_who_looks_away_or_has_four_eyes_is_not_guessed():
+    found, balls, _ = face(50)
+    assert face_rims.of_face(found, balls) is None
+    higher = [eye + [0, 0, 0.6] for eye in EYES.values()]
+    rings, more = [ring(eye, 0.15, 0.2) for eye in higher], [(eye, 0.25) for eye in higher]
+    found, balls, _ = face(0, rings=rings, balls=more)
+    assert face_rims.of_face(found, balls) is None
