@@ -17,6 +17,7 @@ from .work import Work
 SOURCE = ("face", "head_and_neck", "mouth_socket", "eye_sockets")
 CORNERS = [48, 54]  # of the mouth
 LONGEST = 2.9  # times their length edges of a head that is no person's get at most: 3 is a spike
+BENDS = 0.002  # over its stretch, of the skin round an eye: both weigh alike over 4 % of the head
 ROUNDS = 5  # in which lids come in front of the eyeballs, and what that has stretched is shared
 
 
@@ -70,17 +71,19 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
         shapes = fit.rest + strength * offsets
         found = (yield transfer.start_apply(shapes)).vertices
         if located.rims:
-            moved = _by_lids(face, located, head, strength * offsets, found - head[0])
+            keys = strength * offsets, found - head[0]
+            moved = yield from _by_lids(face, located, (target, *head), balls, keys)
             moved = yield from _untorn(target, located, head, moved, balls)
-            other = face_twins.twins(head[0])
-            found = head[0] + (moved if other is None else face_twins.alike(made, moved, other))
+            found = head[0] + _alike(made, located, head, moved)
         quality = yield transfer.start_quality(shapes, found)
         moved = found - head[0]
         body = np.setdiff1d(np.arange(len(head[0])), np.concatenate([*loose, np.zeros(0, dtype=int)]))
         known = _Known(face, fit, kind, strength, head[0][body], moved[:, body])
-        own, whats = known.move(head[0], loose, kinds_told[0], ride=False)  # the transfer has carried it over
+        # A person's lashes have been carried over by the lids that they are on; a cartoon's are no match.
+        ride = bool(located.rims)
+        own, whats = known.move(head[0], loose, kinds_told[0], ride)
         for what, piece in zip(whats, loose, strict=True):
-            if what != "RIDE":
+            if what != "RIDE" or ride:
                 moved[:, piece] = own[:, piece]
         done, kinds = [], [whats]
         for vertices, own_pieces, given in pieces[1:]:
@@ -95,20 +98,41 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
     return Work(steps())
 
 
-def _by_lids(face, located, head, offsets, moved):
-    """(k, n, 3) with lids that go as far as these eyes are high."""
-    found, vertices = moved.copy(), head[0]
-    frame = Frame.of(located.fit.rest, located.fit.fitted_vertices)
+def _by_lids(face, located, head, balls, keys):
+    """(k, n, 3) with lids that go as far as these eyes are high, as steps of a Work; ``head`` is
+    (lissom.Mesh, vertices, triangles), ``keys`` are offsets (k, m, 3) on the face and what was made of them
+    (k, n, 3).
+    """
+    (target, vertices, triangles), (offsets, moved) = head, keys
+    found, frame = moved.copy(), Frame.of(located.fit.rest, located.fit.fitted_vertices)
     upright = frame.back(vertices)
-    for name in CURVES[:2]:
+    body = face_parts.parts(len(vertices), triangles)[0]
+    for name, other in (CURVES[:2], CURVES[1::-1]):
         if name not in located.rims:
             continue
         source = Lids.of(located.fit.rest, face.curves[name])
-        target = Lids.of(upright, located.rims[name])
+        lids = Lids.of(upright, located.rims[name])
+        rim, place = np.unique(np.concatenate(lids), return_index=True)
+        still = np.setdiff1d(located.rims[other], rim)
+        around = np.setdiff1d(body[face_lids.near(upright, body, rim)], still)
+        # Bending keeps the ring beside the rim from taking all of the stretch.
+        pose = yield lissom.start_pose(
+            target, [rim], np.union1d(around, rim), "thin_shell", k_b=BENDS, unheld="rest"
+        )
+        axis = face_lids.Axis.of(lids, vertices, frame.turn[:, 1], balls)
+        # A handle's places are lengths, whatever they stand for.
+        unit = np.array([1.0, np.linalg.norm(np.ptp(vertices[rim], axis=0)), 1.0])
+        goal = vertices[rim] + [unit[1], 0, 0]
+        share = ((yield pose.start_solve_points(goal)).vertices - vertices)[:, :1] / unit[1]
         for row, offset in zip(found, offsets, strict=True):
-            if np.abs(offset[face.curves[name]]).max() > face_lids.LEAST:
-                shares = Shares.of(source, located.fit.rest, offset)
-                row[:] = face_lids.corrected(target, vertices, upright, row, shares)
+            if np.abs(offset[face.curves[name]]).max() <= face_lids.LEAST:
+                continue
+            shares = Shares.of(source, located.fit.rest, offset)
+            steps = face_lids.steps(lids, vertices, row, shares)[place]
+            goal = vertices[rim] + unit * axis.motion(vertices[rim], steps)
+            motion = (yield pose.start_solve_points(goal)).vertices - vertices
+            row *= 1 - share
+            row[around] += axis.moved(vertices[around], motion[around] / unit)
     return found
 
 
@@ -134,6 +158,20 @@ def _untorn(target, located, head, offsets, balls):
             break
     # What is left are edges of the rims themselves, in keys that do not close.
     return (yield target.start_limit_stretch(vertices + found, LONGEST)) - vertices
+
+
+def _alike(made, located, head, moved):
+    """(k, n, 3) with the same left and right, if the head is symmetric, whatever it wears."""
+    vertices, triangles = head
+    pairs = ("lid_left", "lid_right"), ("lips", "lips")
+    sides = next(pair for pair in pairs if pair[0] in located.rims)
+    plane = face_twins.Plane.of_rims(*(vertices[located.rims[name][:-1]] for name in sides))
+    body = face_parts.parts(len(vertices), triangles)[0]
+    other = plane and face_twins.twins(vertices, triangles[np.isin(triangles[:, 0], body)], plane)
+    found = moved.copy()
+    if other is not None:
+        found[:, body] = face_twins.alike(made, moved, other, plane)[:, body]
+    return found
 
 
 class _Known:

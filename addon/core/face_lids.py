@@ -3,8 +3,11 @@
 At a place of the rim, the upper lid and the lower one opposite are the gap ``g`` apart at rest. On the face
 that comes along a key moves the upper one by the share ``a`` of its gap towards the lower, and the lower
 one by ``b`` towards the upper; a key that closes the eye has ``a + b = 1``. On the head the rims are moved
-by the same shares of its own gap, whatever a transfer by gradients has made of them, and the skin around
-goes along, less and less with the distance.
+by the same shares of its own gap, whatever a transfer by gradients has made of them. Towards the corners no
+lid goes beyond the middle: the skin beside a corner would have to turn over.
+
+The skin around goes along, by a sheet that is stretched from the rim to what is still, in cylindrical
+coordinates about the eyeball's axis from corner to corner: what turns about that stays in front of the ball.
 """
 
 from typing import NamedTuple
@@ -14,7 +17,9 @@ import numpy as np
 PLACES = 33  # at which two lids are compared, from corner to corner
 NARROW = 0.25  # of the eye's height: shares near the corners are of no less
 CLOSED = 0.85  # of the way: from here on an eye is meant to be closed
-SPREAD = 0.75, 0.5  # of the eye's height: so far the skin goes along, above and below
+REACH = 1.0  # of the eye's height, or of half its width: so far the skin goes along
+FLAT = 5  # power of the gap, over that in the middle, by which what goes beyond the middle lessens
+FAR = 10.0  # widths of an eye: so far behind it is the axis where there is no eyeball
 OPENS = 0.05  # of the gap: what moves a lid less towards the other, or away from it, is left
 CLEAR = 1.06  # radii of the eyeball: what was outside stays as far from its middle
 OUT = 1.02  # radii: likewise for what lies between vertices
@@ -91,53 +96,92 @@ class Shares(NamedTuple):
         return bool(np.allclose(self.upper + self.lower, 1))
 
 
-def corrected(lids, vertices, upright, offsets, shares):
-    """``offsets`` (n, 3) of a key on the head with lids that close moved by their ``shares``.
+def near(upright, body, rim):
+    """Of the vertices ``body`` those that the rim of an eye takes along, of (n, 3) in the face's frame."""
+    wide, _, high = np.ptp(upright[rim], axis=0)
+    away = np.min([np.linalg.norm(upright[body] - point, axis=1) for point in upright[rim]], axis=0)
+    return away < REACH * max(high, wide / 2)
 
-    ``upright`` (n, 3) are the vertices in the face's frame. What opens an eye is left: a tall one stays open.
+
+def steps(lids, vertices, offsets, shares):
+    """(k, 3) steps of the rim, the upper lid's vertices and then the lower one's, by a key of these
+    ``shares``, whose ``offsets`` (n, 3) they replace. What opens an eye is left: a tall one stays open.
     """
     at = np.linspace(0, 1, PLACES)
     gaps = lids.gaps(vertices)
     size = np.linalg.norm(gaps, axis=1)
-    way = gaps.sum(axis=0) / np.linalg.norm(gaps.sum(axis=0))
-    floor = np.maximum(size, NARROW * size.max())
-    high = np.linalg.norm(lids.gaps(upright), axis=1).max()
-    found = offsets.copy()
-    sides = [_along(vertices, path, at) for path in lids]
-    for path, share, sign, spread in (
-        (lids.upper, shares.upper, 1, SPREAD[0]),
-        (lids.lower, shares.lower, -1, SPREAD[1]),
+    flat = (size / size.max()) ** FLAT
+    upper, lower = (np.where(side > 0.5, 0.5 + (side - 0.5) * flat, side) for side in shares)
+    if shares.close:
+        upper, lower = (1 - lower, lower) if shares.lower.mean() > 0.5 else (upper, 1 - upper)
+    found = []
+    for path, share, whole, sign in (
+        (lids.upper, upper, shares.upper, 1),
+        (lids.lower, lower, shares.lower, -1),
     ):
         own = _lengths(vertices, path)
-        if shares.close:
-            goal = sides[0] + shares.upper[:, None] * (sides[1] - sides[0])
-            step = np.column_stack([np.interp(own, at, axis) for axis in goal.T]) - vertices[path]
-        elif share.mean() > OPENS:
-            step = np.outer(sign * np.interp(own, at, share * floor), way)
+        step = sign * share[:, None] * gaps
+        if shares.close:  # to where the other goes as well
+            goal = _along(vertices, path, at) + step
+            found.append(np.column_stack([np.interp(own, at, axis) for axis in goal.T]) - vertices[path])
+        elif whole.mean() > OPENS:
+            found.append(np.column_stack([np.interp(own, at, axis) for axis in step.T]))
         else:
-            continue
-        _lead(found, upright, path, lids, step, sign, spread * high)
-    return found
+            found.append(offsets[path])
+    return np.concatenate(found)
 
 
-def _lead(offsets, upright, path, lids, step, sign, reach):
-    """Has the skin go with the steps (k, 3) of one lid, the upper one with ``sign`` 1, in place of its
-    ``offsets``: that above it at the same place from corner to corner, the less the further away, so that
-    all of it stretches alike.
-    """
-    places = upright[path]
-    order = np.argsort(places[:, 0])
-    x, height = places[order, 0], places[order, 2]
-    middle = np.interp(upright[:, 0], *upright[lids.upper[[0, -1]]][:, [0, 2]].T)
-    off = sign * (upright[:, 2] - np.interp(upright[:, 0], x, height))
-    deep = np.abs(upright[:, 1] - np.interp(upright[:, 0], x, places[order, 1]))
-    theirs = (upright[:, 0] > x[0]) & (upright[:, 0] < x[-1]) & (sign * (upright[:, 2] - middle) > 0)
-    away = np.hypot(np.maximum(off, 0), np.maximum(deep - reach / 2, 0))
-    fade = np.where(theirs, np.clip(1 - away / reach, 0, 1), 0)[:, None]
-    along = np.column_stack([np.interp(upright[:, 0], x, axis[order]) for axis in step.T])
-    offsets *= 1 - fade
-    offsets += fade * along
-    offsets[path] = step
+class Axis(NamedTuple):
+    """The line about which lids turn: through a centre, and the directions along it, to the back and up."""
+
+    centre: np.ndarray
+    along: np.ndarray
+    back: np.ndarray
+    up: np.ndarray
+    clear: float  # so far from the centre a rim is at least, 0 without an eyeball
+
+    @classmethod
+    def of(cls, lids, vertices, back, balls):
+        """Of the eye whose lids these are and the ball (centre, radius) behind it."""
+        rim = vertices[np.concatenate(lids)]
+        middle = (rim.min(axis=0) + rim.max(axis=0)) / 2
+        along = vertices[lids.upper[-1]] - vertices[lids.upper[0]]
+        width = np.linalg.norm(along)
+        along = along / width
+        back = back - along * (back @ along)
+        back /= np.linalg.norm(back)
+        up = np.cross(along, back)
+        behind = [
+            (radius, centre)
+            for centre, radius in balls
+            if np.linalg.norm((centre - middle) @ np.array([along, up]).T) < 0.6 * radius < width * 2
+        ]
+        if not behind:
+            return cls(middle + FAR * width * back, along, back, up, 0.0)
+        radius, centre = min(behind, key=lambda ball: ball[0])
+        return cls(centre, along, back, up, CLEAR * radius)
+
+    def coordinates(self, points):
+        """(n, 3) along it, radians up from the front, and away from it."""
+        local = points - self.centre
+        ahead, up = -local @ self.back, local @ self.up
+        return np.column_stack([local @ self.along, np.arctan2(up, ahead), np.hypot(up, ahead)])
+
+    def motion(self, points, steps):
+        """(n, 3) how the coordinates of points change by steps, which stay outside of the eyeball."""
+        before, after = self.coordinates(points), self.coordinates(points + steps)
+        least = np.minimum(self.clear, np.linalg.norm(points - self.centre, axis=1))
+        after[:, 2] = np.maximum(after[:, 2], np.sqrt(np.maximum(least**2 - after[:, 0] ** 2, 0)))
+        changed = after - before
+        changed[:, 1] = (changed[:, 1] + np.pi) % (2 * np.pi) - np.pi
+        return changed
+
+    def moved(self, points, motion):
+        """(n, 3) displacements of points whose coordinates change so."""
+        along, angle, away = (self.coordinates(points) + motion).T
+        front, up = away * np.cos(angle), away * np.sin(angle)
+        there = np.outer(along, self.along) - np.outer(front, self.back) + np.outer(up, self.up)
+        return self.centre + there - points
 
 
 def outside(vertices, triangles, offsets, centre, radius):

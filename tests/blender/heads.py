@@ -319,6 +319,15 @@ def _sphere(centre, radius, rings=14, around=24):
     return centre + radius * points, faces
 
 
+def cap(middle, radius, rings=10, around=32):
+    """Vertices and triangles of hair: of a ball what is above and behind."""
+    points, faces = _sphere(np.array(middle), radius, 2 * rings, around)
+    local = points[faces].mean(axis=1) - middle
+    faces = faces[local[:, 2] > 0.4 * radius - 0.6 * local[:, 1]]
+    used = np.unique(faces)
+    return points[used], np.searchsorted(used, faces)
+
+
 def seen(head, vertices, side, count=60):
     """How much of an eyeball one sees from the front, of a square round it, with the head's vertices (n, 3)
     there.

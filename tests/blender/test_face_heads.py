@@ -75,6 +75,32 @@ def test_a_bag_behind_the_mouth_and_sockets_behind_the_eyes_hide_no_opening(name
     assert after[2] > 2 * before[2] and abs(after[0] / before[0] - 1) < 0.2
 
 
+def test_a_head_that_is_turned_and_wears_hair_is_found_and_stays_the_same_left_and_right():
+    """A cap of hair is a ball behind all openings, and goes with what it lies on, not with the lids below."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    head = heads.closed(heads.made("round"))
+    angle = np.radians(22)
+    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    cap, faces = heads.cap((0, 0.15, 0.1), 1.05)
+    first = len(head.vertices)
+    triangles = np.concatenate([head.triangles, first + faces])
+    obj = scene.mesh_object("Head", 30 * np.concatenate([head.vertices, cap]) @ turn.T, triangles)
+    for side, (points, own) in zip(("Left", "Right"), head.eyes, strict=True):
+        scene.mesh_object(side, 30 * points @ turn.T, own)
+    job = FaceKeys(bpy.context, FaceAsked(target="Head", parts="Left\nRight"))
+    done = job.write(bpy.context, job.work.wait())
+    assert not done.stopped and done.sure > 0.75
+    keys = {name: delta(obj, name) @ turn / 30 for name in done.written["Head"]}
+    blink = keys["eyeBlinkLeft"] + keys["eyeBlinkRight"]
+    for side in (0, 1):
+        closed = heads.seen(head, head.vertices + blink[:first], side)
+        assert closed <= 0.02 * heads.seen(head, head.vertices, side)
+    assert np.abs(blink[first:]).max() < 0.1 * np.abs(blink).max()
+    for name in ("eyeBlink", "mouthSmile", "mouthUpperUp", "noseSneer"):
+        left, right = (keys[name + side][:first] for side in ("Left", "Right"))
+        assert np.abs(left[head.twins] * [-1, 1, 1] - right).max() < 0.01 * np.abs(left).max(), name
+
+
 def test_without_a_clue_it_asks_and_goes_on_with_what_was_clicked(mask):
     head, obj = mask
     corners = [[0.05, -0.5, -0.5], [-0.05, -0.5, -0.5], [0, -0.4, -0.5], [0, -0.45, -0.55]]
