@@ -20,6 +20,9 @@ NEAR = 0.6  # of the distance of the eyes: an opening further from where it shou
 MOST = 1.6  # of the distance of the eyes: a rim that is wider is that of the neck or of a cut
 ALIKE = 0.02  # of the square of its width: openings that differ by less are the same from the front
 LEVEL = 0.25  # of the distance of the eyes: one eye is no higher than the other
+CORNERS = 0.9  # of the distance of the eyes: those of a mouth are no further behind them
+SLIT = 0.3  # of its lining's area: a pocket whose opening has less is behind a slit
+SHALLOW = 0.05  # of the root of its opening's area: so deep is the middle of what lines a pocket
 TURNED = np.tan(np.radians(35))  # sideways over ahead: a head looks along -y within this
 
 
@@ -62,6 +65,7 @@ def openings(vertices, triangles, lines):
 
     ``lines`` (m,) tells of the triangles whether they line a pocket: what one sees ends where these begin.
     """
+    lines = lines & ~_sticks_out(vertices, triangles, lines)
     pockets = lissom.components(len(vertices), triangles[lines])
     for loop in _loops(triangles):
         pockets[np.isin(pockets, np.setdiff1d(pockets[loop], -1))] = -1
@@ -75,6 +79,27 @@ def openings(vertices, triangles, lines):
             behind = np.setdiff1d(np.union1d(behind, np.flatnonzero(np.isin(pockets, pocket))), rim)
             found.append(Opening(rim, vertices[rim], behind))
     return sorted(found, key=lambda opening: len(opening.loop))
+
+
+def _sticks_out(vertices, triangles, lines):
+    """(m,) whether triangles line what is no pocket: the skin that a nose or brows stuck on it hide."""
+    own, rest = triangles[lines], np.unique(triangles[~lines])
+    corners = vertices[own]
+    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
+    sizes = np.linalg.norm(areas, axis=1)
+    label = lissom.components(len(vertices), own)
+    found = np.zeros(len(triangles), dtype=bool)
+    place = np.flatnonzero(lines)
+    for number in np.unique(label[own[:, 0]]):
+        these = label[own[:, 0]] == number
+        border = np.intersect1d(own[these], rest)
+        way = areas[these].sum(axis=0)  # out through the opening, as large as it is
+        across = np.linalg.norm(way)
+        if len(border) and across > SLIT * sizes[these].sum():
+            middle = np.average(corners[these].mean(axis=1), axis=0, weights=sizes[these])
+            deep = (vertices[border].mean(axis=0) - middle) @ way / across
+            found[place[these]] = deep < SHALLOW * np.sqrt(across)
+    return found
 
 
 def _neighbours(edges):
@@ -203,7 +228,7 @@ def _are_eyes(left, right, balls):
 
 
 def _mouth(left, right, found):
-    """The Opening of the mouth below two eyes, or None; that of the neck is further back."""
+    """The Opening of the mouth below two eyes, or None; that of a neck is further back."""
     between, apart = (left.middle + right.middle) / 2, np.linalg.norm(left.middle - right.middle)
     off = [(one, (one.middle - between) / apart) for one in found]
     below = [
@@ -213,6 +238,7 @@ def _mouth(left, right, found):
         and -2.5 < up < -0.3
         and one.extent[0] < MOST * apart * 1.5
         and one.extent[2] < one.extent[0]
-        and abs(back) < 1.5
+        and back > -1.5
+        and one.points[:, 1].max() < between[1] + CORNERS * apart
     ]
     return max(below, key=lambda one: one.extent[0], default=None)

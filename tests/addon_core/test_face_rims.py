@@ -42,3 +42,27 @@ def test_who_looks_away_or_has_four_eyes_is_not_guessed():
     rings, more = [ring(eye, 0.15, 0.2) for eye in higher], [(eye, 0.25) for eye in higher]
     found, balls, _ = face(0, rings=rings, balls=more)
     assert face_rims.of_face(found, balls) is None
+
+
+def test_the_border_of_a_neck_is_no_mouth():
+    angle = np.linspace(0, 2 * np.pi, 25)
+    neck = np.column_stack([0.5 * np.cos(angle), 0.5 * np.sin(angle), 0.02 * np.cos(angle) - 0.9])
+    neck = Opening(np.arange(25), neck, np.zeros(0, dtype=int))
+    found, balls, middles = face(0, rings=[neck])
+    np.testing.assert_allclose(face_rims.of_face(found, balls), middles, atol=1e-9)
+    assert face_rims.of_face([found[0], found[1], neck], balls) is None
+
+
+@pytest.mark.parametrize(("height", "count"), [(-0.5, 1), (0.5, 0), (0.0, 0)])
+def test_what_lies_behind_a_nose_that_is_stuck_on_is_no_pocket(height, count):
+    steps = np.linspace(-1, 1, 21)
+    x, z = np.meshgrid(steps, steps, indexing="ij")
+    away = np.hypot(x, z)
+    y = -height * np.clip(0.5 - away, 0, None)
+    number = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
+    triangles = np.concatenate([np.stack([a, b, c], 2).reshape(-1, 3), np.stack([a, c, d], 2).reshape(-1, 3)])
+    vertices = np.stack([x, y, z], axis=2).reshape(-1, 3)
+    hidden = (away.ravel()[triangles] < 0.51).all(axis=1)
+    found = face_rims.openings(vertices, triangles, hidden)
+    assert len([one for one in found if one.extent[0] < 1.5]) == count
