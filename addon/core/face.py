@@ -70,12 +70,13 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
         transfer = yield lissom.start_transfer(person, target, fit, contact=contact)
         shapes = fit.rest + strength * offsets
         found = (yield transfer.start_apply(shapes)).vertices
+        led = []
         if located.rims:
             keys = strength * offsets, found - head[0]
-            moved = yield from _by_lids(face, located, (target, *head), balls, keys)
+            moved, led = yield from _by_lids(face, located, (target, *head), balls, keys)
             moved = yield from _untorn(target, located, head, moved, balls)
             found = head[0] + _alike(made, located, head, moved)
-        quality = yield transfer.start_quality(shapes, found)
+        quality = yield transfer.start_quality(shapes, found, led)
         moved = found - head[0]
         body = np.setdiff1d(np.arange(len(head[0])), np.concatenate([*loose, np.zeros(0, dtype=int)]))
         known = _Known(face, fit, kind, strength, head[0][body], moved[:, body])
@@ -99,12 +100,12 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
 
 
 def _by_lids(face, located, head, balls, keys):
-    """(k, n, 3) with lids that go as far as these eyes are high, as steps of a Work; ``head`` is
-    (lissom.Mesh, vertices, triangles), ``keys`` are offsets (k, m, 3) on the face and what was made of them
-    (k, n, 3).
+    """(k, n, 3) with lids that go as far as these eyes are high, and the vertices that these lead, as steps
+    of a Work; ``head`` is (lissom.Mesh, vertices, triangles), ``keys`` are offsets (k, m, 3) on the face and
+    what was made of them (k, n, 3).
     """
     (target, vertices, triangles), (offsets, moved) = head, keys
-    found, frame = moved.copy(), Frame.of(located.fit.rest, located.fit.fitted_vertices)
+    found, led, frame = moved.copy(), [], Frame.of(located.fit.rest, located.fit.fitted_vertices)
     upright = frame.back(vertices)
     body = face_parts.parts(len(vertices), triangles)[0]
     for name, other in (CURVES[:2], CURVES[1::-1]):
@@ -119,6 +120,7 @@ def _by_lids(face, located, head, balls, keys):
         pose = yield lissom.start_pose(
             target, [rim], np.union1d(around, rim), "thin_shell", k_b=BENDS, unheld="rest"
         )
+        led += [rim, around]
         axis = face_lids.Axis.of(lids, vertices, frame.turn[:, 1], balls)
         # A handle's places are lengths, whatever they stand for.
         unit = np.array([1.0, np.linalg.norm(np.ptp(vertices[rim], axis=0)), 1.0])
@@ -133,7 +135,7 @@ def _by_lids(face, located, head, balls, keys):
             motion = (yield pose.start_solve_points(goal)).vertices - vertices
             row *= 1 - share
             row[around] += axis.moved(vertices[around], motion[around] / unit)
-    return found
+    return found, np.unique(np.concatenate(led)) if led else led
 
 
 def _untorn(target, located, head, offsets, balls):

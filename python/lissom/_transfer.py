@@ -256,17 +256,21 @@ class Transfer:
         """
         return self.start_apply(poses).result()
 
-    def start_quality(self, poses: ArrayLike, vertices: ArrayLike) -> Job[Quality]:
+    def start_quality(self, poses: ArrayLike, vertices: ArrayLike, led: ArrayLike = ()) -> Job[Quality]:
         """:meth:`quality` in the background."""
-        return self._core.start_quality(poses, vertices)._then(_quality)
+        return self._core.start_quality(poses, vertices, led)._then(_quality)
 
-    def quality(self, poses: ArrayLike, vertices: ArrayLike) -> Quality:
+    def quality(self, poses: ArrayLike, vertices: ArrayLike, led: ArrayLike = ()) -> Quality:
         """What there is to say about ``vertices`` (k, n_target, 3), which `apply` has made of ``poses`` (k,
         n_source, 3): a verdict on each, with reasons.
 
-        Raises InvalidValue for values that are not finite or another number of poses, Cancelled.
+        led: (l,) indices of vertices of which somebody else has decided since how far they go: they count as
+            having the strength that was asked for.
+
+        Raises InvalidValue for values that are not finite or another number of poses, InvalidConstraint for
+        led vertices out of range, Cancelled.
         """
-        return self.start_quality(poses, vertices).result()
+        return self.start_quality(poses, vertices, led).result()
 
     def start_attributes(self, values: ArrayLike) -> Job[NDArray[np.float64]]:
         """:meth:`attributes` in the background."""

@@ -100,6 +100,20 @@ def test_a_key_with_a_part_of_its_motion(part, verdict, text):
     assert quality.verdict == [verdict] and quality.reasons == [[text] if text else []]
 
 
+def test_what_somebody_else_has_led_says_nothing_about_the_amplitude():
+    transfer = itself()
+    good = transfer.apply(KEYS[:1]).vertices
+    up = VERTICES[:, 2:] - np.median(VERTICES[:, 2])
+    times = 1 + 4 * np.clip(up / up.max(), 0, 1) ** 2
+    further, led = VERTICES + times * (good - VERTICES), np.flatnonzero(times > 1)
+    assert transfer.quality(KEYS[:1], further).amplitude[0] > 1.5
+    assert np.isclose(transfer.quality(KEYS[:1], further, led).amplitude[0], 1)
+    assert np.isclose(transfer.quality(KEYS[:1], further, np.arange(len(VERTICES))).amplitude[0], 1)
+    with pytest.raises(lissom.InvalidConstraint, match="led") as error:
+        transfer.quality(KEYS[:1], good, [0, len(VERTICES)])
+    assert error.value.indices == [len(VERTICES)]
+
+
 @pytest.mark.parametrize(("scale", "amplitude"), [("target", 1), ("source", 1)])
 def test_amplitude_counts_from_the_scale_that_was_asked_for(scale, amplitude):
     source, target = lissom.Mesh(VERTICES, FACES), lissom.Mesh(3 * VERTICES, FACES)

@@ -162,11 +162,17 @@ impl PyTransfer {
     }
 
     /// The job's result is a dict of (k,) arrays, and of lists of k.
-    fn start_quality(&self, poses: &Bound<'_, PyAny>, vertices: &Bound<'_, PyAny>) -> PyResult<PyJob> {
+    fn start_quality(
+        &self,
+        poses: &Bound<'_, PyAny>,
+        vertices: &Bound<'_, PyAny>,
+        led: &Bound<'_, PyAny>,
+    ) -> PyResult<PyJob> {
         let poses = arrays::poses("poses", poses, self.0.source().vertices().len())?;
         let vertices = arrays::poses("vertices", vertices, self.0.target().vertices().len())?;
         let transfer = self.0.clone();
-        PyJob::start(move |job| transfer.quality(&poses, &vertices, job), qualities)
+        let led = arrays::vertex_list("led", led)?;
+        PyJob::start(move |job| transfer.quality(&poses, &vertices, &led, job), qualities)
     }
 
     /// The job's result is (n_target, k) values.

@@ -88,19 +88,31 @@ struct Triangle {
 }
 
 impl Transfer {
-    /// The quality of `carried`, what [`Transfer::apply`] has made of `poses`, key by key.
+    /// The quality of `carried`, what [`Transfer::apply`] has made of `poses`, key by key. How far `led` vertices of
+    /// the target go somebody else has decided since: they count as having the strength that was asked for.
     ///
     /// # Errors
     ///
     /// [`Error::InvalidValue`] for another number of keys, for keys of another size than the meshes and values that are
-    /// not finite, [`Error::Cancelled`].
-    pub fn quality(&self, poses: &[Vec<Vec3>], carried: &[Vec<Vec3>], job: &Job) -> Result<Vec<KeyQuality>> {
+    /// not finite, [`Error::InvalidConstraint`] for led vertices out of range, [`Error::Cancelled`].
+    pub fn quality(
+        &self,
+        poses: &[Vec<Vec3>],
+        carried: &[Vec<Vec3>],
+        led: &[u32],
+        job: &Job,
+    ) -> Result<Vec<KeyQuality>> {
         check("poses", poses, &self.source, "source")?;
         check("vertices", carried, &self.target, "target")?;
         if carried.len() != poses.len() {
             let problem = format!("{} for {} poses", carried.len(), poses.len());
             return Err(Error::InvalidValue(Fault::new("vertices", problem)));
         }
+        if let Some(fault) = Fault::out_of_range("led", led, self.target.vertices().len()) {
+            return Err(Error::InvalidConstraint(fault));
+        }
+        let mut free = vec![true; self.target.vertices().len()];
+        led.iter().for_each(|&v| free[self.target.representative(v) as usize] = false);
         job.report(0.0, "quality");
         job.check()?;
         let mirrors = Mirror::of_both(&self.source, &self.target);
@@ -110,7 +122,7 @@ impl Transfer {
         self.rims();
         let found = poses.par_iter().zip(carried).map(|(pose, carried)| {
             job.check()?;
-            Ok(self.quality_of(&self.turned(pose), carried, &mirrors, &matched))
+            Ok(self.quality_of(&self.turned(pose), carried, &mirrors, [&matched, &free]))
         });
         let found: Result<Vec<KeyQuality>> = found.collect();
         job.report(1.0, "quality");
@@ -122,7 +134,7 @@ impl Transfer {
         pose: &[Vec3],
         carried: &[Vec3],
         mirrors: &[[Mirror; 2]],
-        matched: &[bool],
+        [matched, free]: [&[bool]; 2],
     ) -> KeyQuality {
         let target = &*self.target;
         let key = SourceKey::of(&self.source, pose);
@@ -151,7 +163,7 @@ impl Transfer {
         let gap = apart / contacts.len().max(1) as f64;
         let (way, left) = gaps.iter().fold((0.0, 0.0), |(way, left), gap| (way + gap.0, left + gap.1));
         let closing = if way > 0.0 { 1.0 - left / way } else { 1.0 };
-        let (amplitude, crooked) = (self.amplitude(&moved, &displacements), {
+        let (amplitude, crooked) = (self.amplitude(&moved, &displacements, free), {
             let beyond = |[source, target]: &[Mirror; 2]| {
                 let own = source.difference(&key.displacement);
                 if own < EVEN { (target.difference(&displacements) - own).max(0.0) } else { 0.0 }
@@ -204,12 +216,14 @@ impl Transfer {
         if all > UNSEEN.powi(2) * self.source.area() { of(&|t| matched[t]) / all } else { 1.0 }
     }
 
-    /// Root mean square of `displacements` over what the anchors ask for, where the images have gone by `moved`.
-    fn amplitude(&self, moved: &[Vec3], displacements: &[Vec3]) -> f64 {
+    /// Root mean square of `displacements` over what the anchors ask for, where the images have gone by `moved`; what
+    /// is not `free` counts as having gone as far.
+    fn amplitude(&self, moved: &[Vec3], displacements: &[Vec3], free: &[bool]) -> f64 {
         let asked = self.anchors.targets(&self.target, &self.chooser, moved);
         let (mut own, mut wanted, mut largest) = (0.0, 0.0, 0.0f64);
         for ((v, to), (_, weight)) in asked.iter().zip(self.anchors.soft()) {
-            own += weight * displacements[*v as usize].length_squared();
+            let v = *v as usize;
+            own += weight * if free[v] { displacements[v] } else { *to }.length_squared();
             wanted += weight * to.length_squared();
             largest = largest.max(to.length());
         }
