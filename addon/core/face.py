@@ -76,6 +76,7 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
             moved, led = yield from _by_lids(face, located, (target, *head), balls, keys)
             moved = yield from _untorn(target, located, head, moved, balls)
             found = head[0] + _alike(made, located, head, moved)
+            found = yield target.start_limit_stretch(found, LONGEST)
         quality = yield transfer.start_quality(shapes, found, led)
         moved = found - head[0]
         body = np.setdiff1d(np.arange(len(head[0])), np.concatenate([*loose, np.zeros(0, dtype=int)]))
@@ -139,7 +140,8 @@ def _by_lids(face, located, head, balls, keys):
 
 
 def _untorn(target, located, head, offsets, balls):
-    """(k, n, 3) in front of the eyeballs, without a long edge, as steps of a Work; the rims of the eyes stay.
+    """(k, n, 3) in front of the eyeballs, with no long edge but those of the rims of the eyes, which stay, as
+    steps of a Work.
 
     A cartoon's few edges at the corners of eyes and mouth take what people's many loops there share.
     """
@@ -158,8 +160,7 @@ def _untorn(target, located, head, offsets, balls):
         found[left] = limited[changed] - vertices
         if not len(left):
             break
-    # What is left are edges of the rims themselves, in keys that do not close.
-    return (yield target.start_limit_stretch(vertices + found, LONGEST)) - vertices
+    return found
 
 
 def _alike(made, located, head, moved):
