@@ -112,11 +112,12 @@ def _by_lids(face, located, head, balls, keys):
     for name, other in (CURVES[:2], CURVES[1::-1]):
         if name not in located.rims:
             continue
-        source = Lids.of(located.fit.rest, face.curves[name])
+        # On the face that the offsets are of: the eyes of a person with larger ones would stay open by them.
+        source = Lids.of(face.neutral, face.curves[name])
         lids = Lids.of(upright, located.rims[name])
         rim, place = np.unique(np.concatenate(lids), return_index=True)
-        still = np.setdiff1d(located.rims[other], rim)
-        around = np.setdiff1d(body[face_lids.near(upright, body, rim)], still)
+        still = np.concatenate([located.rims[one] for one in (other, "lips") if one in located.rims])
+        around = np.setdiff1d(body[face_lids.near(upright, body, rim)], np.setdiff1d(still, rim))
         # Bending keeps the ring beside the rim from taking all of the stretch.
         pose = yield lissom.start_pose(
             target, [rim], np.union1d(around, rim), "thin_shell", k_b=BENDS, unheld="rest"
@@ -130,7 +131,7 @@ def _by_lids(face, located, head, balls, keys):
         for row, offset in zip(found, offsets, strict=True):
             if np.abs(offset[face.curves[name]]).max() <= face_lids.LEAST:
                 continue
-            shares = Shares.of(source, located.fit.rest, offset)
+            shares = Shares.of(source, face.neutral, offset)
             steps = face_lids.steps(lids, vertices, row, shares)[place]
             goal = vertices[rim] + unit * axis.motion(vertices[rim], steps)
             motion = (yield pose.start_solve_points(goal)).vertices - vertices
