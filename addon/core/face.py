@@ -153,7 +153,7 @@ def _untorn(target, located, head, offsets, balls):
     for _ in range(ROUNDS):
         for row in left:
             for centre, radius in balls:
-                found[row] = face_lids.outside(vertices, triangles, found[row], centre, radius)
+                found[row] = face_lids.outside(vertices, triangles, found[row], centre, radius, held)
         shapes = vertices + found[left]
         limited = yield target.start_limit_stretch(shapes, LONGEST, held)
         changed = (limited != shapes).any(axis=(1, 2))

@@ -184,21 +184,24 @@ class Axis(NamedTuple):
         return self.centre + there - points
 
 
-def outside(vertices, triangles, offsets, centre, radius):
+def outside(vertices, triangles, offsets, centre, radius, rims):
     """``offsets`` (n, 3) of a key, with what it pushes into an eyeball out of it again.
 
-    First the vertices, then the middles of triangles and edges, which cut across the ball between them.
+    First the vertices, then the middles of triangles and edges, which cut across the ball between them; for
+    these ``rims``, vertices that meet others, do not give way.
     """
     before = np.linalg.norm(vertices - centre, axis=1)
     moved = (np.linalg.norm(offsets, axis=1) > STILL * radius) & (before < AROUND * radius)
     found = offsets.copy()
     _push(found, vertices, np.flatnonzero(moved)[:, None], centre, np.minimum(CLEAR * radius, before[moved]))
+    met = found[rims]
     near = triangles[moved[triangles].any(axis=1)]
     samples = [near, near[:, [0, 1]], near[:, [1, 2]], near[:, [2, 0]]]
     for _ in range(ROUNDS):
         for corners in samples:
             rest = np.linalg.norm(vertices[corners].mean(axis=1) - centre, axis=1)
             _push(found, vertices, corners, centre, np.minimum(OUT * radius, rest))
+            found[rims] = met
     found[~moved] = offsets[~moved]
     return found
 
