@@ -170,12 +170,9 @@ def _alike(made, located, head, moved):
     pairs = ("lid_left", "lid_right"), ("lips", "lips")
     sides = next(pair for pair in pairs if pair[0] in located.rims)
     plane = face_twins.Plane.of_rims(*(vertices[located.rims[name][:-1]] for name in sides))
-    body = face_parts.parts(len(vertices), triangles)[0]
-    other = plane and face_twins.twins(vertices, triangles[np.isin(triangles[:, 0], body)], plane)
-    found = moved.copy()
-    if other is not None:
-        found[:, body] = face_twins.alike(made, moved, other, plane)[:, body]
-    return found
+    body = triangles[np.isin(triangles[:, 0], face_parts.parts(len(vertices), triangles)[0])]
+    other = plane and face_twins.twins(vertices, body, plane)
+    return moved if other is None else face_twins.alike(made, moved, other, plane, body)
 
 
 class _Known:

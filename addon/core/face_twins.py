@@ -5,11 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import sides
+from . import sides, topology
 
 SAME = 1e-4  # of the head's diagonal: a vertex is so near to the mirror image of its twin
 TOGETHER = 4  # vertices at one place
-UNUSUAL = 0.001  # of the vertices may have none, and stay as they are
+UNUSUAL = 0.1  # of the vertices may have none: where quads are cut otherwise, or in a scar
+ROUNDS = 5  # in which these take on what is beside them
 
 
 class Plane(NamedTuple):
@@ -54,8 +55,8 @@ def _is_counterclockwise(loop):
 
 
 def twins(vertices, triangles, plane):
-    """(n,) the vertex at the mirror image of each of (n, 3) in a Plane, or itself where none is there; None
-    for a head that is not symmetric. What belongs to none of ``triangles`` (m, 3) is left out.
+    """(n,) the vertex at the mirror image of each of (n, 3) in a Plane, -1 where none is there; None for a
+    head that is not symmetric. What belongs to none of ``triangles`` (m, 3) is left out.
 
     Lips that touch have vertices at one place: the normals tell which is whose.
     """
@@ -65,8 +66,8 @@ def twins(vertices, triangles, plane):
     found = _nearest((vertices[used], normals[used]), [rows[used] for rows in images], SAME * size)
     if (found < 0).sum() > UNUSUAL * len(used):
         return None
-    number = np.arange(len(vertices))
-    number[used] = np.where(found < 0, used, used[found])
+    number = np.full(len(vertices), -1)
+    number[used] = np.where(found < 0, -1, used[found])
     return number
 
 
@@ -100,8 +101,22 @@ def _nearest(those, images, within):
     return found
 
 
-def alike(names, offsets, twins, plane):
-    """``offsets`` (k, n, 3) of keys by name, each the mean of it and the mirror image of its counterpart."""
+def alike(names, offsets, twins, plane, triangles):
+    """``offsets`` (k, n, 3) of keys by name, each the mean of it and the mirror image of its counterpart.
+
+    What has no twin goes with what is beside it, by ``triangles`` (m, 3).
+    """
     place = {name: number for number, name in enumerate(names)}
     other = [place.get(sides.swapped(name), number) for number, name in enumerate(names)]
-    return (offsets + plane.mirrored(offsets[other][:, twins])) / 2
+    own, lost = np.flatnonzero(twins >= 0), twins < 0
+    changes = np.zeros_like(offsets)
+    changes[:, own] = (plane.mirrored(offsets[other][:, twins[own]]) - offsets[:, own]) / 2
+    edges = topology.edges(triangles)[0]
+    edges = np.concatenate([edges, edges[:, ::-1]])
+    to, beside = edges[lost[edges[:, 0]]].T
+    alone, place = np.unique(to, return_inverse=True)
+    for _ in range(ROUNDS if len(alone) else 0):
+        sums = np.zeros((len(alone), len(offsets), 3))
+        np.add.at(sums, place, changes[:, beside].swapaxes(0, 1))
+        changes[:, alone] = (sums / np.bincount(place)[:, None, None]).swapaxes(0, 1)
+    return offsets + changes

@@ -68,8 +68,28 @@ def test_keys_become_alike_and_those_that_are_stay():
     random = np.random.default_rng(9)
     names = ["eyeBlinkLeft", "eyeBlinkRight", "jawOpen", "mouthLeft", "mouthRight"]
     names += ["noseSneer_L", "noseSneer_R"]
-    keys = face_twins.alike(names, random.normal(size=(7, len(points), 3)), twins, plane)
+    keys = face_twins.alike(names, random.normal(size=(7, len(points), 3)), twins, plane, triangles)
     for one, other in ((0, 1), (2, 2), (3, 4), (5, 6)):
         image = (keys[one][twins] @ turn * [-1, 1, 1]) @ turn.T
         np.testing.assert_allclose(image, keys[other], atol=1e-14)
-    np.testing.assert_allclose(face_twins.alike(names, keys, twins, plane), keys, atol=1e-14)
+    again = face_twins.alike(names, keys, twins, plane, triangles)
+    np.testing.assert_allclose(again, keys, atol=1e-14)
+
+
+def test_a_few_without_a_twin_go_with_what_is_beside_them():
+    points, triangles, known = symmetric(1)
+    few = np.random.default_rng(2).choice(len(points), 6, replace=False)
+    scarred = points.copy()
+    scarred[few] += [0.02, 0, 0.01]
+    twins = face_twins.twins(scarred, triangles, X)
+    lost = np.flatnonzero(twins < 0)
+    assert set(few) <= set(lost) <= {*few, *known[few]}
+    random = np.random.default_rng(3)
+    smooth = (np.sin(points @ random.normal(size=(3, 3))) * 0.1)[None]
+    found, wanted = (
+        face_twins.alike(["jawOpen"], smooth, some, X, triangles) - smooth for some in (twins, known)
+    )
+    others = np.setdiff1d(np.arange(len(points)), lost)
+    np.testing.assert_allclose(found[:, others], wanted[:, others], atol=1e-15)
+    assert np.abs(found - wanted).max() < 0.15 * np.abs(wanted).max()
+    assert np.abs(wanted[:, lost]).max() > 0.3 * np.abs(wanted).max()
