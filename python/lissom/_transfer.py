@@ -265,7 +265,7 @@ class Transfer:
         n_source, 3): a verdict on each, with reasons.
 
         led: (l,) indices of vertices of which somebody else has decided since how far they go: they count as
-            having the strength that was asked for.
+            having gone as far as was asked for.
 
         Raises InvalidValue for values that are not finite or another number of poses, InvalidConstraint for
         led vertices out of range, Cancelled.

@@ -89,7 +89,7 @@ struct Triangle {
 
 impl Transfer {
     /// The quality of `carried`, what [`Transfer::apply`] has made of `poses`, key by key. How far `led` vertices of
-    /// the target go somebody else has decided since: they count as having the strength that was asked for.
+    /// the target go somebody else has decided since: they count as having gone as far as was asked for.
     ///
     /// # Errors
     ///

@@ -46,13 +46,10 @@ const MARKED: f64 = 1e4;
 const FALLING: f64 = 30.0;
 
 /// ... and in the end, times `mu`.
-const KEPT: f64 = 200.0;
-
-/// So many times as much for what is on a curve, which is known better than a point.
-const OF_CURVE: f64 = 10.0;
+const KEPT: f64 = 500.0;
 
 /// `s`, in tolerances.
-const KEPT_WITHIN: f64 = 0.15;
+const KEPT_WITHIN: f64 = 0.3;
 
 /// Least scatter of markers: faces differ by more, and it is divided by.
 const LEAST_SCATTER: f64 = 1e-4;
@@ -256,8 +253,7 @@ impl<'a> Part<'a> {
                 surface = Some(placed.surface);
                 pulls.extend(markers.iter().map(|m| {
                     let kept = KEPT * m.share(u, within);
-                    let weight =
-                        trust.powi(2) * falling.max(kept) * if m.is_of_curve() { OF_CURVE } else { 1.0 };
+                    let weight = trust.powi(2) * falling.max(kept);
                     m.pull(if exact { EXACT } else { weight } * DIAGONAL_SQUARED)
                 }));
                 if descent.is_none() {
