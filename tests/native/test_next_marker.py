@@ -68,7 +68,7 @@ def test_only_components_with_markers_and_free_vertices_are_proposed():
 
 
 def test_six_exact_markers_are_little_worse_than_four(data):
-    """Both leave most to the surfaces, which had not settled when six left 0.72 and four 0.51; now 0.48 and 0.40."""
+    """Both leave most to the surfaces: unsettled, six left 0.72 and four 0.51; now it is 0.48 and 0.40."""
     archive = data("ict_face")
     faces = triangulate(archive["loops"], archive["counts"])
     faces = faces[(faces < FACE).all(1)]

@@ -28,7 +28,7 @@ const SMOOTHING: f64 = 0.01;
 
 /// Markers that are too few to tell are off by so many times less than the tolerance: what they say weighs more, since
 /// surfaces far from all of them slide.
-const PLACED: f64 = 4.0;
+const PLACED: f64 = 2.0;
 
 /// A marker is doubtful from so many times the tolerance on, ...
 const TOLERANCES: f64 = 3.0;
