@@ -108,11 +108,10 @@ impl Transfer {
         let placer = Placer::new(&source, &target, stitcher.matrix(), &chooser, &anchors, policy, sizes);
         let scaling = Scaling::new(&target, &anchors, &placer, sizes);
         let closing = options.contact.then(Closing::default);
-        let policy = match policy {
-            Unmatched::Follow => "they follow the nearest matched surface rigidly",
-            Unmatched::Rest => "they stay at rest",
+        let problem = match policy {
+            Unmatched::Follow => "components without a match follow the nearest matched surface rigidly",
+            Unmatched::Rest => "components without a match stay at rest",
         };
-        let problem = format!("components of the target without a match; {policy}");
         let fault = Fault::at("pairs", problem, placer.unmatched());
         let regularized = stitcher.system().factor().is_regularized().then(|| REGULARIZED.into());
         let warnings = fault.map(|fault| fault.to_string()).into_iter().chain(regularized).collect();
