@@ -82,9 +82,7 @@ pub fn register_less_astray(
     }
     astray.into_iter().for_each(|(i, off)| led_by.leave_out(i, off));
     lie.markers = led_by.followed();
-    if led_by.followed_curves().is_empty() {
-        return Ok(free);
-    }
+    lie.by_curves = !led_by.followed_curves().is_empty();
     register(source, target, lie, options, third..end, job)
 }
 

@@ -17,18 +17,14 @@ use crate::Vec3;
 use crate::geometry::rigid::Alignment;
 use crate::linear::dense;
 
-/// Fewer markers do not tell which of them is wrong.
-const FEWEST: usize = 10;
+/// Fewer markers do not tell which of them is wrong, nor how exactly they were placed.
+pub const FEWEST: usize = 10;
 
 /// Markers around that a spline goes through.
 const AROUND: usize = 20;
 
 /// Smoothing, in unit coordinates: markers are a little off anyway.
 const SMOOTHING: f64 = 0.01;
-
-/// Markers that are too few to tell are off by so many times less than the tolerance: what they say weighs more, since
-/// surfaces far from all of them slide.
-const PLACED: f64 = 2.0;
 
 /// A marker is doubtful from so many times the tolerance on, ...
 const TOLERANCES: f64 = 3.0;
@@ -68,14 +64,14 @@ pub struct Doubts {
     /// The doubtful ones, and how far each is from where it is expected, in unit coordinates.
     pub markers: Vec<(usize, f64)>,
     /// How far the others are off at the median, in unit coordinates: of exact markers what differs from face to face,
-    /// of others how exactly they were placed. A part of the tolerance where they are too few to tell.
+    /// of others how exactly they were placed. The tolerance where they are too few to tell.
     pub scatter: f64,
 }
 
 /// Which of `markers`, places of the source and where these belong, are doubtful, for a tolerance in unit coordinates.
 pub fn doubtful(markers: &[(Vec3, Vec3)], tolerance: f64) -> Doubts {
     let mut kept: Vec<usize> = (0..markers.len()).collect();
-    let (mut found, mut scatter) = (Vec::new(), tolerance / PLACED);
+    let (mut found, mut scatter) = (Vec::new(), tolerance);
     let most = MOST * markers.len() as f64;
     while kept.len() >= FEWEST_EXCHANGED && (found.len() as f64) < most {
         let Some(pair) = exchanged(markers, &kept, tolerance.max(LEAST)) else { break };

@@ -20,6 +20,8 @@ const SURE: usize = 6;
 pub struct Lie {
     /// Those to follow.
     pub markers: Vec<Marker>,
+    /// Whether there are curves among them.
+    pub by_curves: bool,
     /// How far they are off, in the target's unit coordinates.
     pub scatter: f64,
     /// The rotation of the source to the target, where it is determined and worth taking out.
@@ -43,7 +45,8 @@ impl Lie {
         let size = rigid::size_ratio(places.iter().map(|p| p.1), places.iter().map(|p| p.0));
         let (from, to) = alignment.centroids();
         let shift = to - turn.unwrap_or(Mat3::IDENTITY) * from * size;
-        Self { markers, scatter, turn, size, shift, certainty: 1.0, is_sure: places.len() >= SURE }
+        let (certainty, is_sure) = (1.0, places.len() >= SURE);
+        Self { markers, by_curves: false, scatter, turn, size, shift, certainty, is_sure }
     }
 
     /// The rotation by which keys turn along, with the source's vertices fitted to `x`, some of which `lie_on` the target:
@@ -81,7 +84,7 @@ impl Lie {
         let turned = turn.unwrap_or(Mat3::IDENTITY) * centre;
         let shift = found.similarity.apply(centre) - turned * found.scale;
         let (size, certainty) = (found.scale, found.certainty);
-        Self { markers: Vec::new(), scatter, turn, size, shift, certainty, is_sure: false }
+        Self { markers: Vec::new(), by_curves: false, scatter, turn, size, shift, certainty, is_sure: false }
     }
 }
 

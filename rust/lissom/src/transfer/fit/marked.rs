@@ -143,6 +143,7 @@ impl Marked {
             exact: tolerance == 0.0,
         };
         lie.markers = led_by.followed();
+        lie.by_curves = !led_by.followed_curves().is_empty();
         Ok(Self { lie, led_by })
     }
 }

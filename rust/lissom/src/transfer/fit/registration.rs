@@ -7,14 +7,7 @@
 //! ([`super::energy`], [`super::pulls`]). At first `w_C = 0` and the markers are all but exact. Then `w_C` rises from 1
 //! to [`FitOptions::closest`] while `w_M` falls: markers say what belongs together, but the hand that placed them is
 //! less exact than the surface (Sumner & Popović 2004 keep them exact, and [`FitOptions::marker_tolerance`] 0 does). In
-//! the end a marker counts by how near the fit has come to it, `mu = (1 + (|x - c| / s)^2)^-2` with a fraction `s`
-//! of the tolerance (Geman & McClure 1987): one that is exact holds, one that is off lets go. How exactly they were
-//! placed they say themselves, by their scatter ([`super::doubtful`]): where that is below the tolerance, `w_M` grows as its
-//! square falls, as in least squares of unequal precision (Gauss 1823).
-//!
-//! Where it is so far above the tolerance that this does not explain it, the shapes differ by that much, as a cartoon's
-//! do: the markers are trusted, and `E_I` holds against the step before in the place of rest, as a viscous fluid does
-//! (Christensen, Rabbitt & Miller 1996), which lets an eye grow to any size and still does not let it fold.
+//! the end a marker counts by how near the fit has come to it ([`super::release`]).
 //!
 //! The weights are for a target of diagonal 10, whatever the units of the meshes.
 
@@ -27,9 +20,10 @@ use super::descent::Descent;
 use super::energy::{Energy, TermWeights};
 use super::lie::Lie;
 use super::look_up::LookUp;
-use super::markers::{Marker, PROPORTIONS};
+use super::markers::Marker;
 use super::options::FitOptions;
 use super::pulls::{self, Pull};
+use super::release::Release;
 use super::side::{Placed, Side};
 use crate::geometry::rigid::Alignment;
 use crate::geometry::surface::Surface;
@@ -41,24 +35,6 @@ const DIAGONAL_SQUARED: f64 = 100.0;
 
 /// `w_M` while `w_C = 0`; ...
 const MARKED: f64 = 1e4;
-
-/// ... what it falls from, to 0 by the last step but one, with a square, for markers that are off by the tolerance; ...
-const FALLING: f64 = 30.0;
-
-/// ... and in the end, times `mu`.
-const KEPT: f64 = 500.0;
-
-/// `s`, in tolerances.
-const KEPT_WITHIN: f64 = 0.3;
-
-/// Least scatter of markers: faces differ by more, and it is divided by.
-const LEAST_SCATTER: f64 = 1e-4;
-
-/// Markers that scatter by more tolerances than this are not off by what they may be: the shapes differ so much.
-const EXPLAINED: f64 = 2.5;
-
-/// How many times less than the tolerance their scatter is then taken to be.
-const TRUSTED: f64 = 10.0;
 
 /// The markers' weight where they are exact but not at vertices.
 const EXACT: f64 = 1e6;
@@ -77,9 +53,6 @@ const FARTHEST: f64 = 0.5;
 /// From this fraction of the steps on, closest points are looked up from both sides, and of the whole source; before, a
 /// coarse one will do.
 const BOTH_SIDES: f64 = 0.7;
-
-/// Steps of the descent a look-up: with one the surface creeps, and keeps to where markers that are off have led it.
-const STEPS: usize = 3;
 
 /// Until then more rounds are made while the last one has moved vertices by more than this at the root mean square, in the
 /// target's unit coordinates, up to so many times as many: what few markers leave to the surfaces takes longer, and a
@@ -212,15 +185,10 @@ impl<'a> Part<'a> {
     /// `w_C` as it rises in these steps; how many rounds that takes.
     fn pull(&self, energy: &mut Energy, u: &mut [Vec3], steps: Range<usize>) -> Result<usize> {
         let Self { source, target, markers, options, job, .. } = *self;
-        let (n, scatter) = (source.mesh.vertices().len(), self.lie.scatter);
+        let n = source.mesh.vertices().len();
         let exact = options.marker_tolerance == 0.0;
-        let other_proportions = (EXPLAINED * options.marker_tolerance..PROPORTIONS).contains(&scatter);
         let are_led = markers.iter().filter(|m| !m.is_of_curve()).count() >= LED;
-        let trust = match other_proportions {
-            true => TRUSTED,
-            false => (options.marker_tolerance / scatter.max(LEAST_SCATTER)).max(1.0),
-        };
-        let within = KEPT_WITHIN * options.marker_tolerance * if other_proportions { TRUSTED } else { 1.0 };
+        let release = Release::of(options, self.lie);
         let mut look_up = LookUp::new(source, target, options.match_distance);
         let total = options.steps * options.rounds;
         let mut surface = None;
@@ -231,8 +199,8 @@ impl<'a> Part<'a> {
             let off = look_up.find_partners(&u[..n], job)?;
             let reach = (REACH[0] * (REACH[1] / REACH[0]).powf(fraction)).max(QUARTILES * off).min(FARTHEST);
             let left = 1.0 - step as f64 / (options.steps.max(3) - 2) as f64;
-            let falling = FALLING * left.max(0.0).powi(2);
-            if other_proportions {
+            let falling = release.falling * left.max(0.0).powi(2);
+            if release.is_of_other_proportions {
                 energy.refer(u);
             }
             let mut descent = None;
@@ -252,8 +220,7 @@ impl<'a> Part<'a> {
                 }
                 surface = Some(placed.surface);
                 pulls.extend(markers.iter().map(|m| {
-                    let kept = KEPT * m.share(u, within);
-                    let weight = trust.powi(2) * falling.max(kept);
+                    let weight = falling.max(release.kept * m.share(u, release.within));
                     m.pull(if exact { EXACT } else { weight } * DIAGONAL_SQUARED)
                 }));
                 if descent.is_none() {
@@ -262,7 +229,7 @@ impl<'a> Part<'a> {
                     descent = Some(Descent::new(energy, energy.factor(&metric)?));
                 }
                 job.check()?;
-                descent.iter_mut().for_each(|descent| descent.go(&pulls, u, STEPS));
+                descent.iter_mut().for_each(|descent| descent.go(&pulls, u, release.steps));
                 let done = step * options.rounds + (round + 1).min(options.rounds);
                 let Range { start, end } = *self.progress;
                 job.report(start + (end - start) * done as f64 / total as f64, "fit");
