@@ -171,12 +171,14 @@ sys.path.insert(0, sys.argv[1])
 from shapes import rigid, tube
 # A job in the background of a shell inherits that it ignores the signal, and Python leaves it at that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
-vertices, faces = tube(rows=400, columns=60)
+vertices, faces = tube(rows=1200, columns=100)
 x = vertices[:, 0]
 pose = lissom.Pose(lissom.Mesh(vertices, faces), [np.flatnonzero(x < 0.3), np.flatnonzero(x > 5.7)])
 print("ready", flush=True)
 try:
-    pose.solve([np.eye(4), rigid((0, 1, 0), 2.5)], max_iterations=10**9, tolerance=0.0)
+    while True:  # it ends where rounding lets nothing fall any further
+        goal = [np.eye(4), rigid((0, 1, 0), 2.5)]
+        pose.solve(goal, max_iterations=10**9, tolerance=0.0, warm_start=False)
 except KeyboardInterrupt:
     print("interrupted", flush=True)
 """
