@@ -102,11 +102,12 @@ impl FitReport {
     pub fn doubt_what_is_uncovered(&mut self) {
         let (one, other) = (self.unmatched_source_percent, self.unmatched_target_percent);
         let uncovered = one.min(other);
-        if uncovered > UNCOVERED {
-            self.certainty *= (100.0 - one.max(other)) / (100.0 - UNCOVERED);
+        if uncovered <= UNCOVERED {
+            return;
         }
+        self.certainty *= (100.0 - one.max(other)) / (100.0 - UNCOVERED);
         // Where it is all of either, the fit has failed, and that is said.
-        if uncovered > UNCOVERED && uncovered < 100.0 {
+        if uncovered < 100.0 {
             self.warnings.push(format!(
                 "{uncovered:.0} % of either mesh has no counterpart on the other: they have little in common, or do not lie \
                  on each other; look at the fit and the markers"

@@ -20,7 +20,7 @@ const SURE: usize = 6;
 pub struct Lie {
     /// Those to follow.
     pub markers: Vec<Marker>,
-    /// Whether there are curves among them.
+    /// Whether curves lead, or the fit is what those that may lead astray are judged by.
     pub by_curves: bool,
     /// How far they are off, in the target's unit coordinates.
     pub scatter: f64,

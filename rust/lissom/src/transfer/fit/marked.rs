@@ -3,6 +3,8 @@
 //! Of a curve its centroid stands beside the markers where doubts and the lie are found out, so that it counts as
 //! one of them however long it is, and is left out as a whole or not at all.
 
+use std::ops::Range;
+
 use super::curves::{self, Curve, Matched};
 use super::doubtful::{Doubtful, doubtful};
 use super::lie::Lie;
@@ -108,11 +110,12 @@ impl Marked {
             doubts.markers = (0..places.len()).map(off).filter(|&(_, off)| off > ELSEWHERE).collect();
         }
         let kept = |i: usize| tolerance == 0.0 || doubts.markers.iter().all(|d| d.0 != i);
-        let mut trusted: Vec<_> = (0..found.len()).filter(|&i| kept(i)).map(|i| places[i]).collect();
+        let kept_of = |numbers: Range<usize>| numbers.filter(|&i| kept(i)).map(|i| places[i]);
+        let mut trusted: Vec<_> = kept_of(0..found.len()).collect();
         let mut open = markers::left_open(&trusted);
         if open.is_some() {
             // What markers leave open curves tell; what they do not, a curve that is cut short may tell wrong.
-            trusted.extend((found.len()..places.len()).filter(|&i| kept(i)).map(|i| places[i]));
+            trusted.extend(kept_of(found.len()..places.len()));
             open = markers::left_open(&trusted);
         }
         let mut lie = match by_shapes.filter(|_| open.is_some()) {
