@@ -53,7 +53,8 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
             raise Refused(f"The mesh of the head cannot be used: {error}") from error
         face = data.face().only(*SOURCE)
         kinds_told = told or [""] * (1 + len(parts))
-        loose = face_parts.parts(len(head[0]), head[1])[1:]
+        connected = face_parts.parts(len(head[0]), head[1])
+        loose = connected[1:]
         pieces = [(head[0], loose, kinds_told[0])]
         pieces += [
             (vertices, face_parts.parts(len(vertices), triangles), given)
@@ -72,10 +73,10 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
         found = (yield transfer.start_apply(shapes)).vertices
         led = []
         if located.rims:
-            keys = strength * offsets, found - head[0]
-            moved, led = yield from _by_lids(face, located, (target, *head), balls, keys)
+            skin, keys = connected[0], (strength * offsets, found - head[0])
+            moved, led = yield from _by_lids(face, located, (target, *head, skin), balls, keys)
             moved = yield from _untorn(target, located, head, moved, balls)
-            found = head[0] + _alike(made, located, head, moved)
+            found = head[0] + _alike(made, located, (*head, skin), moved)
             found = yield target.start_limit_stretch(found, LONGEST)
         quality = yield transfer.start_quality(shapes, found, led)
         moved = found - head[0]
@@ -102,13 +103,12 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
 
 def _by_lids(face, located, head, balls, keys):
     """(k, n, 3) with lids that go as far as these eyes are high, and the vertices that these lead, as steps
-    of a Work; ``head`` is (lissom.Mesh, vertices, triangles), ``keys`` are offsets (k, m, 3) on the face and
-    what was made of them (k, n, 3).
+    of a Work; ``head`` is (lissom.Mesh, vertices, triangles, vertices of its skin), ``keys`` are offsets
+    (k, m, 3) on the face and what was made of them (k, n, 3).
     """
-    (target, vertices, triangles), (offsets, moved) = head, keys
+    (target, vertices, _, skin), (offsets, moved) = head, keys
     found, led, frame = moved.copy(), [], Frame.of(located.fit.rest, located.fit.fitted_vertices)
     upright = frame.back(vertices)
-    body = face_parts.parts(len(vertices), triangles)[0]
     for name, other in (CURVES[:2], CURVES[1::-1]):
         if name not in located.rims:
             continue
@@ -117,7 +117,7 @@ def _by_lids(face, located, head, balls, keys):
         lids = Lids.of(upright, located.rims[name])
         rim, place = np.unique(np.concatenate(lids), return_index=True)
         still = np.concatenate([located.rims[one] for one in (other, "lips") if one in located.rims])
-        around = np.setdiff1d(body[face_lids.near(upright, body, rim)], np.setdiff1d(still, rim))
+        around = np.setdiff1d(skin[face_lids.near(upright, skin, rim)], np.setdiff1d(still, rim))
         # Bending keeps the ring beside the rim from taking all of the stretch.
         pose = yield lissom.start_pose(
             target, [rim], np.union1d(around, rim), "thin_shell", k_b=BENDS, unheld="rest"
@@ -166,11 +166,11 @@ def _untorn(target, located, head, offsets, balls):
 
 def _alike(made, located, head, moved):
     """(k, n, 3) with the same left and right, if the head is symmetric, whatever it wears."""
-    vertices, triangles = head
+    vertices, triangles, skin = head
     pairs = ("lid_left", "lid_right"), ("lips", "lips")
     sides = next(pair for pair in pairs if pair[0] in located.rims)
     plane = face_twins.Plane.of_rims(*(vertices[located.rims[name][:-1]] for name in sides))
-    body = triangles[np.isin(triangles[:, 0], face_parts.parts(len(vertices), triangles)[0])]
+    body = triangles[np.isin(triangles[:, 0], skin)]
     other = plane and face_twins.twins(vertices, body, plane)
     return moved if other is None else face_twins.alike(made, moved, other, plane, body)
 
