@@ -11,6 +11,11 @@ from faces import diagonal, root_mean_square, triangulate
 
 FACE, SKIN = 9409, 14062  # vertices of the face come first, then what else is skin
 MOUTH = 11240, 13294  # the socket of the mouth
+# Of the 68 landmarks of the iBUG scheme, those that say where what is.
+FEW = {
+    21: [0, 4, 8, 12, 16, 19, 21, 24, 27, 30, 33, 36, 39, 42, 45, 48, 51, 54, 57, 62, 66],
+    13: [0, 8, 16, 27, 30, 36, 39, 42, 45, 48, 51, 54, 57],
+}
 
 
 class Head:
@@ -90,6 +95,20 @@ def test_clicks_that_are_off_cost_little(data, seed):
         times = np.median(head.errors(keys, vertices, head.offsets[:, order])) / best
         assert times < most, f"{100 * amount} % off: {times} times the best"
         assert fit.report["flipped_triangles"] == 0
+
+
+@pytest.mark.parametrize(("seed", "count", "noise"), [(2, 21, 1), (6, 13, 2), (7, 13, 1), (8, 13, 1)])
+def test_few_clicks_that_are_far_off_are_not_taken_for_other_proportions(data, seed, count, noise):
+    head = Head(data)
+    person = head.person(seed)
+    vertices, faces, place, _ = shuffled(person, head.faces)
+    chosen = head.landmarks[FEW[count]]
+    points = clicked(person[chosen], person, head.faces, 0.02, 1000 * noise + seed)
+    source, target = lissom.Mesh(head.rest, head.faces), lissom.Mesh(vertices, faces)
+    fit = lissom.fit_correspondence(source, target, np.column_stack([chosen, place[chosen]]), points)
+    away = np.linalg.norm(fit.fitted_vertices - person, axis=1) / diagonal(person)
+    # Where the last three were followed, 0.73 to 0.76 %.
+    assert 100 * away.mean() < 0.5
 
 
 @pytest.mark.parametrize(
@@ -278,17 +297,20 @@ def cartoon(head, much):
     return drawn
 
 
-@pytest.mark.parametrize(("much", "tolerance", "off"), [(1, 0.01, 0.8), (1.5, 0.004, 1.0), (2, 0.01, 1.6)])
-def test_other_proportions_are_told_by_few_markers(data, much, tolerance, off):
+@pytest.mark.parametrize("tolerance", [0.004, 0.01])
+@pytest.mark.parametrize("amount", [0, 0.005])
+@pytest.mark.parametrize(("much", "off"), [(1, 0.5), (1.5, 0.75), (2, 1.2)])
+def test_other_proportions_are_told_by_few_markers(data, much, off, amount, tolerance):
     head = Head(data)
     drawn = cartoon(head, much)
     vertices, faces, place, _ = shuffled(drawn, head.faces)
     chosen = head.landmarks[[8, 0, 16, 19, 24, 30, 36, 37, 39, 41, 42, 44, 45, 46, 48, 54, 57]]
     source, target = lissom.Mesh(head.rest, head.faces), lissom.Mesh(vertices, faces)
     markers = np.column_stack([chosen, place[chosen]])
-    fit = lissom.fit_correspondence(source, target, markers, marker_tolerance=tolerance)
+    points = clicked(drawn[chosen], drawn, head.faces, amount, 3) if amount else None
+    fit = lissom.fit_correspondence(source, target, markers, points, marker_tolerance=tolerance)
     away = np.linalg.norm(fit.fitted_vertices - drawn, axis=1) / diagonal(drawn)
-    # Measured 0.65, 0.86 and 1.37 %; where the markers let go of the second, 1.13 %.
+    # Where the markers let go, 0.59, 1.14 and 3.3 %.
     assert 100 * away.mean() < off
     assert fit.report["flipped_triangles"] == 0
 

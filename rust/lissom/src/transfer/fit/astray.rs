@@ -10,10 +10,10 @@ use super::lie::Lie;
 use super::marked::LedBy;
 use super::markers::Marker;
 use super::options::FitOptions;
+use super::proportions::{bending, root_mean_square};
 use super::registration::{Registered, register};
 use super::side::{Placed, Side};
 use crate::geometry::triangle::vertex_normals;
-use crate::operators::gradient::deformation_gradients;
 use crate::{Job, Result, Vec3};
 
 /// So many markers lead a fit by themselves.
@@ -123,23 +123,12 @@ impl Around {
 
     /// How unlike neighbouring triangles change, times how far from the target vertices are, at the root mean square.
     fn strain(&self, x: &[Vec3], source: &Side, target: &Placed, lie: &Lie, job: &Job) -> Result<f64> {
-        let in_its_size: Vec<Vec3> = x.iter().map(|&x| x / lie.size).collect();
-        let changes = deformation_gradients(source.mesh, &in_its_size);
-        let unlike = |&[a, b]: &[u32; 2]| {
-            let difference = changes[a as usize] - changes[b as usize];
-            difference.to_cols_array().iter().map(|d| d * d).sum::<f64>()
-        };
         let normals = vertex_normals(source.mesh.triangles(), x);
         let distances = job.in_batches(self.vertices.len(), |i| {
             let v = self.vertices[i] as usize;
             target.closest(x[v], normals[v], f64::INFINITY, None, 0.0).map(|hit| hit.distance.powi(2))
         })?;
-        let bending = root_mean(self.triangle_pairs.iter().map(unlike));
-        Ok(bending.max(LEAST) * root_mean(distances.into_iter().flatten()).max(LEAST))
+        let bending = bending(source.mesh, x, lie.size, self.triangle_pairs.iter().copied());
+        Ok(bending.max(LEAST) * root_mean_square(distances.into_iter().flatten()).max(LEAST))
     }
-}
-
-fn root_mean(squares: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = squares.fold((0.0, 0), |(sum, count), square| (sum + square, count + 1));
-    (sum / f64::from(count.max(1))).sqrt()
 }

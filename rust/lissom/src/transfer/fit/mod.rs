@@ -5,8 +5,9 @@
 //! 1. How the source *lies* on the target, by its markers and curves less the `doubtful` ones, or by the shapes alone
 //!    (`marked`: `markers`, `curves`, `doubtful`, `lie`, [`super::alignment`]).
 //! 2. *Registration*: an energy that keeps the change smooth (`energy`) and pulls to where the source ought to be
-//!    (`pulls`, `look_up`), step by step (`registration`, `descent`), while the markers let go (`release`); of a large
-//!    source on a `coarse` one at first; once more where curves turn out to lead `astray`.
+//!    (`pulls`, `look_up`), step by step (`registration`, `descent`), while the markers let go (`release`) or,
+//!    where `proportions` differ, are followed; of a large source on a `coarse` one at first; once more where curves turn out
+//!    to lead `astray`.
 //! 3. *Diagnosis*: which triangles match, where vertices lie on the other mesh, and how good it is (`matching`,
 //!    `images`, `component_pairs`, `diagnosis`).
 //!
@@ -32,6 +33,7 @@ mod matching;
 mod morph;
 mod options;
 mod overlap;
+mod proportions;
 mod pulls;
 mod registration;
 mod release;

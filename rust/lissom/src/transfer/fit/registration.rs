@@ -22,6 +22,7 @@ use super::lie::Lie;
 use super::look_up::LookUp;
 use super::markers::Marker;
 use super::options::FitOptions;
+use super::proportions::{self, root_mean_square};
 use super::pulls::{self, Pull};
 use super::release::Release;
 use super::side::{Placed, Side};
@@ -62,6 +63,9 @@ const MOST_ROUNDS: usize = 2;
 /// So many lead everywhere, and further rounds would change next to nothing.
 const LED: usize = 13;
 
+/// Markers are met within so many tolerances, at the root mean square: exact ones on people are within 0.17.
+const MET: f64 = 0.2;
+
 /// The mean of a plane's weights over the directions, times this, is the metric: measured, 0.9 converges fastest.
 const METRIC: f64 = 0.9;
 
@@ -76,7 +80,8 @@ pub struct Registered {
     pub rounds: usize,
 }
 
-/// Registers by the markers of `lie`; `progress` is what of a job that is.
+/// Registers by the markers of `lie`; `progress` is what of a job that is. Where a fit lets go of them, it is seen whether
+/// one that follows is better ([`super::proportions`]).
 ///
 /// # Errors
 ///
@@ -90,25 +95,28 @@ pub fn register(
     job: &Job,
 ) -> Result<Registered> {
     let markers = &lie.markers;
-    let whole = Part { source, target, lie, markers, stands_for: 1.0, options, progress: &progress, job };
-    let from_both_sides = (0..options.steps).find(|&step| options.share_of(step) >= BOTH_SIDES);
-    let coarse_steps = from_both_sides.unwrap_or(options.steps);
-    let coarse = if coarse_steps > 0 { Coarse::of(source, &lie.markers) } else { None };
-    let (mut energy, mut u, done, mut rounds);
-    match &coarse {
-        Some(coarse) => {
-            (energy, u, rounds) = whole.begin_on(coarse, coarse_steps)?;
-            done = coarse_steps;
-        }
-        None => {
-            (energy, u) = whole.begin()?;
-            whole.follow_markers(&energy, &mut u)?;
-            (done, rounds) = (0, 0);
-        }
+    let with = |release: &Release, progress: &Range<f64>| {
+        Part { source, target, lie, markers, release, stands_for: 1.0, options, progress, job }.registered()
+    };
+    if options.marker_tolerance == 0.0 {
+        return with(&Release::following(options), &progress);
     }
-    rounds += whole.pull(&mut energy, &mut u, done..options.steps)?;
-    u.truncate(source.mesh.vertices().len());
-    Ok(Registered { vertices: u, rounds })
+    let middle = 0.5 * (progress.start + progress.end);
+    let free = with(&Release::letting_go(options, lie), &(progress.start..middle))?;
+    if off(lie, &free.vertices) < MET * options.marker_tolerance {
+        return Ok(free);
+    }
+    let led = with(&Release::following(options), &(middle..progress.end))?;
+    let rounds = free.rounds + led.rounds;
+    let fits = [&free, &led].map(|fit| fit.vertices.as_slice());
+    let is_better = proportions::differ(fits, source, target, lie, options.match_distance, job)?;
+    Ok(Registered { rounds, ..if is_better { led } else { free } })
+}
+
+/// How far markers are from where they belong, at the root mean square; 0 for curves, which do not let go.
+fn off(lie: &Lie, x: &[Vec3]) -> f64 {
+    let points = lie.markers.iter().filter(|m| !m.is_of_curve());
+    root_mean_square(points.map(|m| m.off(x).powi(2)))
 }
 
 /// The source, or a coarse one, on its way to the target.
@@ -118,6 +126,7 @@ struct Part<'a> {
     target: &'a Placed<'a>,
     lie: &'a Lie,
     markers: &'a [Marker],
+    release: &'a Release,
     /// How many triangles of the source there are for one of it.
     stands_for: f64,
     options: &'a FitOptions,
@@ -126,6 +135,28 @@ struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
+    /// It on the target.
+    fn registered(&self) -> Result<Registered> {
+        let from_both_sides = (0..self.options.steps).find(|&step| self.options.share_of(step) >= BOTH_SIDES);
+        let coarse_steps = from_both_sides.unwrap_or(self.options.steps);
+        let coarse = if coarse_steps > 0 { Coarse::of(self.source, &self.lie.markers) } else { None };
+        let (mut energy, mut u, done, mut rounds);
+        match &coarse {
+            Some(coarse) => {
+                (energy, u, rounds) = self.begin_on(coarse, coarse_steps)?;
+                done = coarse_steps;
+            }
+            None => {
+                (energy, u) = self.begin()?;
+                self.follow_markers(&energy, &mut u)?;
+                (done, rounds) = (0, 0);
+            }
+        }
+        rounds += self.pull(&mut energy, &mut u, done..self.options.steps)?;
+        u.truncate(self.source.mesh.vertices().len());
+        Ok(Registered { vertices: u, rounds })
+    }
+
     /// The energy, and the source at rest where it lies on the target.
     fn begin(&self) -> Result<(Energy<'a>, Vec<Vec3>)> {
         let (mesh, options) = (self.source.mesh, self.options);
@@ -184,11 +215,10 @@ impl<'a> Part<'a> {
 
     /// `w_C` as it rises in these steps; how many rounds that takes.
     fn pull(&self, energy: &mut Energy, u: &mut [Vec3], steps: Range<usize>) -> Result<usize> {
-        let Self { source, target, markers, options, job, .. } = *self;
+        let Self { source, target, markers, release, options, job, .. } = *self;
         let n = source.mesh.vertices().len();
         let exact = options.marker_tolerance == 0.0;
         let are_led = markers.iter().filter(|m| !m.is_of_curve()).count() >= LED;
-        let release = Release::of(options, self.lie);
         let mut look_up = LookUp::new(source, target, options.match_distance);
         let total = options.steps * options.rounds;
         let mut surface = None;
@@ -200,7 +230,7 @@ impl<'a> Part<'a> {
             let reach = (REACH[0] * (REACH[1] / REACH[0]).powf(fraction)).max(QUARTILES * off).min(FARTHEST);
             let left = 1.0 - step as f64 / (options.steps.max(3) - 2) as f64;
             let falling = release.falling * left.max(0.0).powi(2);
-            if release.is_of_other_proportions {
+            if release.is_viscous {
                 energy.refer(u);
             }
             let mut descent = None;
@@ -241,8 +271,7 @@ impl<'a> Part<'a> {
 
 /// How far these have moved, at the root mean square.
 fn moved(before: &[Vec3], x: &[Vec3]) -> f64 {
-    let squares = before.iter().zip(x).map(|(a, b)| a.distance_squared(*b)).sum::<f64>();
-    (squares / before.len() as f64).sqrt()
+    root_mean_square(before.iter().zip(x).map(|(a, b)| a.distance_squared(*b)))
 }
 
 /// How markers alone lead. Components without any are held at rest, which costs them nothing, and carried.
