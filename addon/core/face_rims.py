@@ -70,15 +70,35 @@ def openings(vertices, triangles, lines):
     for loop in _loops(triangles):
         pockets[np.isin(pockets, np.setdiff1d(pockets[loop], -1))] = -1
     seen = triangles[~(lines & (pockets[triangles] >= 0).all(axis=1))]
-    beside = _neighbours(topology.edges(seen)[0])
+    beside, among = (_neighbours(topology.edges(some)[0]) for some in (seen, triangles))
     found = []
     for loop in _loops(seen):
         pocket = np.setdiff1d(pockets[loop], -1)
-        rim, behind = (loop, loop[:0]) if len(pocket) else _rim(vertices, set(loop.tolist()), beside)
+        if len(pocket):
+            rim, behind = _without_teeth(vertices, loop, among), loop[:0]
+        else:
+            rim, behind = _rim(vertices, set(loop.tolist()), beside)
         if rim is not None and len(rim) > LEAST:
             behind = np.setdiff1d(np.union1d(behind, np.flatnonzero(np.isin(pockets, pocket))), rim)
             found.append(Opening(rim, vertices[rim], behind))
     return sorted(found, key=lambda opening: len(opening.loop))
+
+
+def _without_teeth(vertices, loop, beside):
+    """A loop that does not go round single triangles, which one sees behind a rim, or not before it."""
+    path = loop[:-1]
+    while len(path) > LEAST:
+        before, after = np.roll(path, 1), np.roll(path, -1)
+        first, second, straight = (
+            np.linalg.norm(vertices[one] - vertices[other], axis=1)
+            for one, other in ((before, path), (path, after), (before, after))
+        )
+        joined = [b in beside[a] for a, b in zip(before.tolist(), after.tolist(), strict=True)]
+        detour = np.where(joined, first + second - straight, -1)
+        if detour.max() < 0:
+            break
+        path = np.delete(path, detour.argmax())
+    return np.append(path, path[0])
 
 
 def _sticks_out(vertices, triangles, lines):

@@ -53,8 +53,8 @@ def test_the_border_of_a_neck_is_no_mouth():
     assert face_rims.of_face([found[0], found[1], neck], balls) is None
 
 
-@pytest.mark.parametrize(("height", "count"), [(-0.5, 1), (0.5, 0), (0.0, 0)])
-def test_what_lies_behind_a_nose_that_is_stuck_on_is_no_pocket(height, count):
+def plate(height):
+    """Vertices and triangles of a square with a cone in its middle; how far from it each vertex is."""
     steps = np.linspace(-1, 1, 21)
     x, z = np.meshgrid(steps, steps, indexing="ij")
     away = np.hypot(x, z)
@@ -62,7 +62,27 @@ def test_what_lies_behind_a_nose_that_is_stuck_on_is_no_pocket(height, count):
     number = np.arange(x.size).reshape(x.shape)
     a, b, c, d = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
     triangles = np.concatenate([np.stack([a, b, c], 2).reshape(-1, 3), np.stack([a, c, d], 2).reshape(-1, 3)])
-    vertices = np.stack([x, y, z], axis=2).reshape(-1, 3)
-    hidden = (away.ravel()[triangles] < 0.51).all(axis=1)
+    return np.stack([x, y, z], axis=2).reshape(-1, 3), triangles, away.ravel()
+
+
+@pytest.mark.parametrize(("height", "count"), [(-0.5, 1), (0.5, 0), (0.0, 0)])
+def test_what_lies_behind_a_nose_that_is_stuck_on_is_no_pocket(height, count):
+    vertices, triangles, away = plate(height)
+    hidden = (away[triangles] < 0.51).all(axis=1)
     found = face_rims.openings(vertices, triangles, hidden)
     assert len([one for one in found if one.extent[0] < 1.5]) == count
+
+
+@pytest.mark.parametrize("seen", [True, False])
+def test_a_rim_does_not_go_round_a_triangle_that_one_sees_or_not(seen):
+    """Of the lining one sees a triangle that has two corners on the rim, or of the skin one does not."""
+    vertices, triangles, _ = plate(-0.5)
+    hidden = (np.abs(vertices[triangles][:, :, [0, 2]]).max(axis=2) < 0.51).all(axis=1)
+
+    def rim():
+        return next(one for one in face_rims.openings(vertices, triangles, hidden) if one.extent[0] < 1.5)
+
+    known = rim().loop
+    for ends in zip(known[2:-5:5], known[3:-4:5], strict=True):
+        hidden[np.isin(triangles, ends).sum(axis=1) == 2] = not seen
+    assert set(rim().loop) == set(known)
