@@ -156,10 +156,10 @@ def people_row(told):
 
 def heads_row(_):
     print(
-        "| head | vertices | found by | eye seen | mouth | width | smile | longest edge | mirror | verdicts "
-        "| seconds |"
+        "| head | vertices | found by | eye seen | mouth | width | lips closed | smile | longest edge "
+        "| mirror | verdicts | seconds |"
     )
-    print("|---|---:|---|---:|---:|---:|---:|---:|---:|---|---:|")
+    print("|---|---:|---|---:|---:|---:|---:|---:|---:|---:|---|---:|")
     whole = {name: heads.made(name) for name in heads.SHAPES}
     whole |= {f"{name}, closed behind": heads.closed(head) for name, head in whole.items()}
     for name, head in whole.items():
@@ -167,13 +167,16 @@ def heads_row(_):
         found = face_work((head.vertices, head.triangles), head.eyes, "ARKIT").wait()
         seconds = time.perf_counter() - start
         if isinstance(found, Unsure):
-            print(f"| {name} | {len(head.vertices)} | none: {found.why} |" + " |" * 8)
+            print(f"| {name} | {len(head.vertices)} | none: {found.why} |" + " |" * 9)
             continue
         key = dict(zip(found.names, found.offsets, strict=True))
         both = head.vertices + key["eyeBlinkLeft"] + key["eyeBlinkRight"]
         open_eye = max(
             heads.seen(head, both, side) / heads.seen(head, head.vertices, side) for side in (0, 1)
         )
+        # A key for a jaw that is open.
+        shapes = key | {"mouthClose": key["jawOpen"] + key["mouthClose"]}
+        left_open = heads.left_open(head, key["jawOpen"], shapes["mouthClose"])
         before, after = (np.ptp((head.vertices + by)[head.lips], axis=0) for by in (0, key["jawOpen"]))
         x = head.vertices[head.lips, 0]
         corners = head.lips[[x.argmin(), x.argmax()]]
@@ -184,7 +187,7 @@ def heads_row(_):
         rest = np.linalg.norm(np.diff(head.vertices[ends], axis=1)[:, 0], axis=1)
         long = max(
             (np.linalg.norm(np.diff((head.vertices + by)[ends], axis=1)[:, 0], axis=1) / rest).max()
-            for by in found.offsets
+            for by in shapes.values()
         )
         crooked = max(
             np.abs(key[one + "Left"][head.twins] * [-1, 1, 1] - key[one + "Right"]).max()
@@ -200,7 +203,8 @@ def heads_row(_):
         print(
             f"| {name} | {len(head.vertices)} | {found.located.by.lower()}, no click "
             f"| {100 * open_eye:.1f} % "
-            f"| {after[2] / before[2]:.1f} times | {after[0] / before[0]:.2f} | {100 * smile:.0f} % "
+            f"| {after[2] / before[2]:.1f} times | {after[0] / before[0]:.2f} "
+            f"| to {100 * left_open:.0f} % | {100 * smile:.0f} % "
             f"| {long:.1f} times | {100 * crooked:.0f} % | {', '.join(verdict)} | {seconds:.1f} |",
             flush=True,
         )

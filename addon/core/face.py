@@ -66,20 +66,24 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
             return located
         fit = located.fit
         made, offsets, left = names.combined(kind, face.expression_names, face.expressions)
+        offsets = strength * _with_the_jaw(made, offsets)
         # Offsets are everybody's: from the person that the head looks like they have that person's gradients.
         person = lissom.Mesh(fit.rest, face.triangles)
         transfer = yield lissom.start_transfer(person, target, fit, contact=contact)
-        shapes = fit.rest + strength * offsets
+        shapes = fit.rest + offsets
         found = (yield transfer.start_apply(shapes)).vertices
         led = []
         if located.rims:
-            skin, keys = connected[0], (strength * offsets, found - head[0])
-            moved, led = yield from _by_lids(face, located, (target, *head, skin), balls, keys)
+            skin = connected[0]
+            moved, led = yield from _by_lids(
+                face, located, (target, *head, skin), balls, (offsets, found - head[0])
+            )
+            yield from _lips_closed(located, (target, *head, skin), dict(zip(made, moved, strict=True)))
             moved = yield from _untorn(target, located, head, moved, balls)
             found = head[0] + _alike(made, located, (*head, skin), moved)
             found = yield target.start_limit_stretch(found, LONGEST)
         quality = yield transfer.start_quality(shapes, found, led)
-        moved = found - head[0]
+        moved = _with_the_jaw(made, found - head[0], -1)
         body = np.setdiff1d(np.arange(len(head[0])), np.concatenate([*loose, np.zeros(0, dtype=int)]))
         known = _Known(face, fit, kind, strength, head[0][body], moved[:, body])
         # A person's lashes have been carried over by the lids that they are on; a cartoon's are no match.
@@ -101,6 +105,18 @@ def face_work(head, parts, kind, strength=1.0, contact=True, marks=None, told=()
     return Work(steps())
 
 
+def _with_the_jaw(made, offsets, sign=1):
+    """``offsets`` (k, n, 3) of keys of these names with jawOpen's, or less these, in mouthClose.
+
+    That key is one of its own by name alone: it says where lips are that close while the jaw is open. What
+    the two make together is carried over, closed, limited and judged.
+    """
+    found = offsets.copy()
+    if {"jawOpen", "mouthClose"} <= set(made):
+        found[made.index("mouthClose")] += sign * offsets[made.index("jawOpen")]
+    return found
+
+
 def _by_lids(face, located, head, balls, keys):
     """(k, n, 3) with lids that go as far as these eyes are high, and the vertices that these lead, as steps
     of a Work; ``head`` is (lissom.Mesh, vertices, triangles, vertices of its skin), ``keys`` are offsets
@@ -118,10 +134,7 @@ def _by_lids(face, located, head, balls, keys):
         rim, place = np.unique(np.concatenate(lids), return_index=True)
         still = np.concatenate([located.rims[one] for one in (other, "lips") if one in located.rims])
         around = np.setdiff1d(skin[face_lids.near(upright, skin, rim)], np.setdiff1d(still, rim))
-        # Bending keeps the ring beside the rim from taking all of the stretch.
-        pose = yield lissom.start_pose(
-            target, [rim], np.union1d(around, rim), "thin_shell", k_b=BENDS, unheld="rest"
-        )
+        pose = yield _start_sheet(target, rim, around)
         led += [rim, around]
         axis = face_lids.Axis.of(lids, vertices, frame.turn[:, 1], balls)
         # A handle's places are lengths, whatever they stand for.
@@ -138,6 +151,34 @@ def _by_lids(face, located, head, balls, keys):
             row *= 1 - share
             row[around] += axis.moved(vertices[around], motion[around] / unit)
     return found, np.unique(np.concatenate(led)) if led else led
+
+
+def _start_sheet(target, rim, around):
+    """A job of the pose by which the skin ``around`` goes along with a rim."""
+    # Bending keeps the ring beside the rim from taking all of the stretch.
+    free = np.union1d(around, rim)
+    return lissom.start_pose(target, [rim], free, "thin_shell", k_b=BENDS, unheld="rest")
+
+
+def _lips_closed(located, head, keys):
+    """Changes mouthClose of ``keys``, {name: offsets (n, 3)}, so that lips are as far apart as at rest, as
+    steps of a Work; ``head`` as in ``_by_lids``.
+
+    By gradients alone the jaw opens them more or less than mouthClose closes. The lower lip follows.
+    """
+    if "lips" not in located.rims or "mouthClose" not in keys:
+        return
+    target, vertices, _, skin = head
+    upright = Frame.of(located.fit.rest, located.fit.fitted_vertices).back(vertices)
+    lips = Lids.of(upright, located.rims["lips"])
+    rim = np.unique(np.concatenate(lips))
+    still = [located.rims[name] for name in CURVES[:2] if name in located.rims]
+    around = np.setdiff1d(skin[face_lids.near(upright, skin, rim)], np.concatenate([[], *still]))
+    goal = vertices.copy()
+    goal[lips.lower] -= lips.opened(vertices, keys["mouthClose"])
+    pose = yield _start_sheet(target, rim, around)
+    motion = (yield pose.start_solve_points(goal[rim])).vertices - vertices
+    keys["mouthClose"][around] += motion[around]
 
 
 def _untorn(target, located, head, offsets, balls):

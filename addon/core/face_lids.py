@@ -54,6 +54,11 @@ class Lids(NamedTuple):
         at = np.linspace(0, 1, PLACES)
         return _along(points, self.lower, at) - _along(points, self.upper, at)
 
+    def opened(self, points, offsets):
+        """(k, 3) how much further from the upper one the lower one's vertices are by ``offsets`` (n, 3)."""
+        own = _lengths(points, self.lower)
+        return offsets[self.lower] - _along(points, self.upper, own, offsets)
+
 
 def _lengths(points, path):
     along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points[path], axis=0), axis=1))])

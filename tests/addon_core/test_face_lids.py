@@ -35,6 +35,14 @@ def test_lids_that_close_meet_and_do_not_pass_the_corners(wide, high, share):
     )
 
 
+def test_what_opens_is_told_by_vertices_that_lie_opposite_each_other():
+    points, lips = eye(0.5, 0.1)
+    offsets = np.random.default_rng(0).normal(size=points.shape)
+    opened = lips.opened(points, offsets)
+    assert np.abs(opened[[0, -1]]).max() < 1e-12
+    np.testing.assert_allclose(opened, offsets[lips.lower] - offsets[lips.upper], atol=1e-9)
+
+
 def test_what_opens_an_eye_is_left():
     points, lids = eye(0.5, 0.3)
     offsets = np.random.default_rng(0).normal(size=points.shape)

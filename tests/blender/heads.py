@@ -328,6 +328,14 @@ def cap(middle, radius, rings=10, around=32):
     return points[used], np.searchsorted(used, faces)
 
 
+def left_open(head, jaw, both):
+    """How far apart lips stay that close while the jaw is open, of what the jaw opens: by offsets (n, 3)."""
+    count = len(head.lips)  # from the middle of the upper one on: across from k is half of all, less k
+    across = head.lips[(count // 2 - np.arange(count)) % count]
+    opened, left = (np.linalg.norm(by[across] - by[head.lips], axis=1).max() for by in (jaw, both))
+    return left / opened
+
+
 def seen(head, vertices, side, count=60):
     """How much of an eyeball one sees from the front, of a square round it, with the head's vertices (n, 3)
     there.

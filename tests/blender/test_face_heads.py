@@ -51,7 +51,9 @@ def test_a_mask_gets_keys_without_a_click_and_its_lids_close(mask):
     ends = np.sort(np.concatenate([head.triangles[:, k] for k in ([0, 1], [1, 2], [2, 0])]), axis=1)
     rest = np.linalg.norm(np.diff(head.vertices[ends], axis=1), axis=2)
     for name in done.written["Mask"]:
-        long = np.linalg.norm(np.diff((head.vertices + delta(obj, name))[ends], axis=1), axis=2) / rest
+        # mouthClose is for a jaw that is open.
+        by = delta(obj, name) + (delta(obj, "jawOpen") if name == "mouthClose" else 0)
+        long = np.linalg.norm(np.diff((head.vertices + by)[ends], axis=1), axis=2) / rest
         assert long.max() < 3, name
 
 
@@ -73,6 +75,8 @@ def test_a_bag_behind_the_mouth_and_sockets_behind_the_eyes_hide_no_opening(name
         np.ptp(points[head.lips], axis=0) for points in (head.vertices, head.vertices + delta(obj, "jawOpen"))
     )
     assert after[2] > 2 * before[2] and abs(after[0] / before[0] - 1) < 0.2
+    jaw = delta(obj, "jawOpen")
+    assert heads.left_open(head, jaw, jaw + delta(obj, "mouthClose")) < 0.1
 
 
 def test_a_head_that_is_turned_and_wears_hair_is_found_and_stays_the_same_left_and_right():
