@@ -6,6 +6,7 @@ from bpy.props import BoolProperty, FloatProperty, StringProperty
 from .. import session
 from ..bridge import source_face
 from ..core.refused import Refused, first
+from ..jobs.blinks import Blinks, BlinksAsked
 from ..jobs.face import FaceAsked, FaceKeys
 from ..properties.transfer_options import edited_property, exists_property, face_names_property
 from .job import JobRunner, allowed, answering
@@ -103,6 +104,43 @@ def _review(context, name, kind):
         bpy.ops.lissom.review("INVOKE_DEFAULT")
 
 
+class LISSOM_OT_face_blinks(JobRunner, bpy.types.Operator):
+    """Have lids go round the eyeballs: arcs of the keys that close one eye, each under a slider"""
+
+    bl_idname = "lissom.face_blinks"
+    bl_label = "Round the Eyes"
+    bl_options = {"REGISTER", "UNDO"}
+
+    target: StringProperty(
+        name="Head", description="Name of the mesh object; empty: the target, or else active"
+    )
+    eyes: StringProperty(
+        name="Eyes",
+        description="Eyeballs that are objects of their own, one name a line; empty: the parts that are eyes",
+    )
+
+    job_class = Blinks
+
+    @classmethod
+    def poll(cls, context):
+        return allowed(cls, "")
+
+    def asked(self, context):
+        settings = context.scene.lissom_transfer
+        head = settings.target or context.object
+        if not self.target and head is None:
+            raise Refused("Choose the head as target first")
+        return BlinksAsked(
+            target=self.target or head.name, eyes=self.eyes or "\n".join(eye.name for eye in eyes(settings))
+        )
+
+
+def eyes(settings):
+    """The parts of the target that are eyeballs, as Face Keys has found or was told."""
+    parts = [part for part in settings.target_parts if part.object is not None]
+    return [part.object for part in parts if (part.kind if part.kind != "AUTO" else part.found) == "EYE"]
+
+
 class LISSOM_OT_source_face_add(bpy.types.Operator):
     """Add the face that comes along, with its expressions as shape keys; as high as the selected mesh"""
 
@@ -119,4 +157,4 @@ class LISSOM_OT_source_face_add(bpy.types.Operator):
         source_face.add(context, self.names)
 
 
-classes = (LISSOM_OT_face_keys, LISSOM_OT_source_face_add)
+classes = (LISSOM_OT_face_keys, LISSOM_OT_face_blinks, LISSOM_OT_source_face_add)

@@ -6,6 +6,7 @@ from .. import session
 from ..bridge import shape_keys, source_face
 from ..core.transfer_options import MASKS
 from ..core.transfer_options import OPTIONS as TRANSFER_OPTIONS
+from ..jobs.blinks import BLINKS
 from ..jobs.corrections import is_edited
 from ..layouts import split_column
 from ..translations import translated
@@ -160,6 +161,9 @@ class LISSOM_PT_transfer(Sidebar, bpy.types.Panel):
         row = box.row()
         row.scale_y = 1.4
         row.operator("lissom.face_keys", icon="SHAPEKEY_DATA").names = settings.face_names
+        keys = shape_keys.key_names(settings.target) if settings.target and settings.target_parts else []
+        if any(map(BLINKS.fullmatch, keys)):
+            box.operator("lissom.face_blinks", icon="IPO_SINE")
         if settings.source is not None:
             return
         layout.label(text="Or from a face of your own:")

@@ -107,6 +107,36 @@ def test_a_head_that_is_turned_and_wears_hair_is_found_and_stays_the_same_left_a
         assert np.abs(left[head.twins] * [-1, 1, 1] - right).max() < 0.01 * np.abs(left).max(), name
 
 
+def test_halfway_blinks_go_round_tall_eyes_by_one_press_more():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    head = heads.made("round")
+    obj = scene.mesh_object("Head", head.vertices, head.triangles)
+    with scene.refused("Add the eyeballs as objects"):
+        bpy.ops.lissom.face_blinks(target="Head")
+    settings = bpy.context.scene.lissom_transfer
+    settings.target = obj
+    for side, eye in zip(("Right", "Left"), head.eyes[::-1], strict=True):
+        settings.target_parts.add().object = scene.mesh_object(side, *eye)
+    with scene.refused("'Head' has no blinks"):
+        bpy.ops.lissom.face_blinks(target="Head", eyes="Left\nRight")
+    assert bpy.ops.lissom.face_keys() == {"FINISHED"}
+    straight = [delta(obj, f"eyeBlink{side}") for side in ("Left", "Right")]
+    assert bpy.ops.lissom.face_blinks() == {"FINISHED"}
+    for (centre, radius), offsets, side in zip(head.balls, straight, ("Left", "Right"), strict=True):
+        obj[f"eyeBlink{side} arc"] = 0.5
+        obj.update_tag()
+        bpy.context.view_layer.update()
+        seen = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices
+        half = np.array([vertex.co for vertex in seen])
+        moves = np.linalg.norm(offsets, axis=1) > 1e-3 * radius
+        deep = [
+            radius - np.linalg.norm(points[moves] - centre, axis=1).min()
+            for points in (head.vertices, head.vertices + offsets, head.vertices + offsets / 2, half)
+        ]
+        assert deep[2] > max(deep[:2]) + 0.15 * radius
+        assert deep[3] < max(deep[:2]) + 0.01 * radius
+
+
 def test_without_a_clue_it_asks_and_goes_on_with_what_was_clicked(mask):
     head, obj = mask
     corners = [[0.05, -0.5, -0.5], [-0.05, -0.5, -0.5], [0, -0.4, -0.5], [0, -0.45, -0.55]]
