@@ -12,8 +12,9 @@ import lissom
 import numpy as np
 
 from . import face_parts, face_rims, topology
+from .face_lids import Lids
 from .face_parts import Frame
-from .landmarks import FACE, mirrored
+from .landmarks import FACE, MIDDLES, mirrored
 from .refused import Refused
 from .transfer import fit_steps
 
@@ -96,13 +97,16 @@ def locate_steps(face, head, marks=None):
     if marks is None:
         own = face_rims.of_face(found, balls)
         if own is None:
-            return _unsure(face, located)
-        marks, by = Marks(middles(face), own), "RIMS"
+            return _guessed(face_rims.of_face(found, None)) or _unsure(face, located)
+        marks, by, rims = Marks(middles(face), own[0]), "RIMS", dict(zip(CURVES, own[1], strict=True))
     else:
         marks, by = _in_openings(marks, middles(face), found), "MARKS"
     at = Frame.of(marks.source, marks.target)
     where = at.there(middles(face))
-    rims = face_rims.near(found, where)
+    if by == "MARKS":
+        rims = face_rims.near(found, where)
+    if len(marks.source) == len(CURVES):
+        marks = _with_corners(face, marks, (at.back(vertices), vertices), rims)
     names = [np.linalg.norm(face.neutral - point, axis=1).argmin() for point in marks.source]
     options = {
         "points": marks.target,
@@ -120,6 +124,19 @@ def locate_steps(face, head, marks=None):
     )
     located = _judged(face, fit, vertices, rims, by)
     return located if located.certainty >= LEAST else _unsure(face, located)
+
+
+def _with_corners(face, marks, head, rims):
+    """Marks with the corners of eyes and mouth; ``head`` are its vertices in the face's frame, and (n, 3).
+
+    By middles alone a rim is doubted where a cartoon is unlike the face around it, and not followed.
+    """
+    upright, vertices = head
+    source, target = [marks.source], [marks.target]
+    for name, loop in rims.items():
+        source.append(face.neutral[Lids.of(face.neutral, face.curves[name]).corners])
+        target.append(vertices[Lids.of(upright, loop).corners])
+    return Marks(np.concatenate(source), np.concatenate(target))
 
 
 def _looks_inward(vertices, triangles):
@@ -152,6 +169,14 @@ def _in_openings(marks, own, found):
             if around:
                 place[:] = min(around, key=lambda one: np.prod(one.extent[[0, 2]])).middle
     return Marks(marks.source, target)
+
+
+def _guessed(own):
+    """Unsure of openings that may be eyes and a mouth; None where there are none."""
+    if own is None:
+        return None
+    guesses = {mark.name: place for mark, place in zip(MIDDLES, own[0], strict=True)}
+    return Unsure("no eyeball tells which openings are the eyes", guesses, list(guesses))
 
 
 def _unsure(face, located):

@@ -49,6 +49,11 @@ class Lids(NamedTuple):
             one, other = other, one
         return cls(one, other)
 
+    @property
+    def corners(self):
+        """(2,) vertices."""
+        return self.upper[[0, -1]]
+
     def gaps(self, points):
         """(p, 3) from the upper lid to the lower at places from corner to corner."""
         at = np.linspace(0, 1, PLACES)

@@ -209,11 +209,12 @@ def near(found, middles):
 
 
 def of_face(found, balls):
-    """(3, 3) middles of the left eye, the right eye and the mouth, by the Openings and the eyeballs alone,
-    or None.
+    """(3, 3) middles of the left eye, the right eye and the mouth, and the loops of their rims, by the
+    Openings and the eyeballs alone, or None.
 
     The eyes are the only two openings of a size, at a height and with an eyeball (centre, radius) behind each
-    that have a mouth: the widest opening below and between them, where nostrils are too.
+    that have a mouth: the widest opening below and between them, where nostrils are too. Where ``balls`` are
+    None they may as well be nostrils: the pair furthest apart is a guess.
     """
     faces = []
     for left, right in permutations(found, 2):
@@ -223,25 +224,30 @@ def of_face(found, balls):
         aside = line * [1, 1, 0] / np.hypot(*line[:2])
         turn = np.array([aside, [-aside[1], aside[0], 0], [0, 0, 1]])  # as the head looks
         eyes = [one.seen_from(turn) for one in (left, right)]
-        if _are_eyes(*eyes, [(turn @ centre, radius) for centre, radius in balls]):
+        if _are_alike(*eyes) and (balls is None or _have_balls(eyes, [(turn @ c, r) for c, r in balls])):
             mouth = _mouth(*eyes, [one.seen_from(turn) for one in found])
             if mouth is not None:
-                faces.append(np.array([left.middle, right.middle, turn.T @ mouth.middle]))
+                middles = np.array([left.middle, right.middle, turn.T @ mouth.middle])
+                faces.append((middles, [left.loop, right.loop, mouth.loop]))
+    if balls is None and faces:
+        return max(faces, key=lambda face: np.linalg.norm(face[0][0] - face[0][1]))
     return faces[0] if len(faces) == 1 else None
 
 
-def _are_eyes(left, right, balls):
+def _are_alike(left, right):
     apart = np.linalg.norm(left.middle - right.middle)
     alike = np.allclose(left.extent[[0, 2]], right.extent[[0, 2]], atol=0.15 * apart)
-    if not alike or abs(left.middle[2] - right.middle[2]) > LEVEL * apart:
-        return False
+    return alike and abs(left.middle[2] - right.middle[2]) <= LEVEL * apart
+
+
+def _have_balls(eyes, balls):
     own = [
         [
             (radius, number)
             for number, (centre, radius) in enumerate(balls)
             if np.linalg.norm((eye.middle - centre)[[0, 2]]) < 0.6 * radius and eye.extent[0] < 2.4 * radius
         ]
-        for eye in (left, right)
+        for eye in eyes
     ]
     # A cap of hair is a ball behind both.
     return all(own) and min(own[0]) != min(own[1])

@@ -29,10 +29,21 @@ def face(degrees, **more):
 @pytest.mark.parametrize("degrees", [0, 12, 25, -30])
 def test_a_face_is_found_as_it_looks_and_a_cap_of_hair_is_no_eye(degrees):
     found, balls, middles = face(degrees)
-    np.testing.assert_allclose(face_rims.of_face(found, balls), middles, atol=1e-9)
+    found = [one._replace(loop=one.loop + 100 * place) for place, one in enumerate(found)]
+    at, loops = face_rims.of_face(found, balls)
+    np.testing.assert_allclose(at, middles, atol=1e-9)
+    assert [loop[0] for loop in loops] == [0, 100, 200]
     hair = [(np.array([0, 0.1, 0.1]), 1.1)]
     found, balls, middles = face(degrees, balls=hair, rings=[ring(np.array([0, 1.0, 0]), 0.9, 0.9)])
-    np.testing.assert_allclose(face_rims.of_face(found, balls), middles, atol=1e-9)
+    np.testing.assert_allclose(face_rims.of_face(found, balls)[0], middles, atol=1e-9)
+
+
+def test_without_eyeballs_eyes_are_a_guess_and_nostrils_are_not_it():
+    found, _, middles = face(12)
+    assert face_rims.of_face(found, []) is None
+    nostrils = [ring(MOUTH + [side * 0.08, -0.1, 0.2], 0.05, 0.03) for side in (1, -1)]
+    found, _, middles = face(12, rings=nostrils)
+    np.testing.assert_allclose(face_rims.of_face(found, None)[0], middles, atol=1e-9)
 
 
 def test_who_looks_away_or_has_four_eyes_is_not_guessed():
@@ -49,7 +60,7 @@ def test_the_border_of_a_neck_is_no_mouth():
     neck = np.column_stack([0.5 * np.cos(angle), 0.5 * np.sin(angle), 0.02 * np.cos(angle) - 0.9])
     neck = Opening(np.arange(25), neck, np.zeros(0, dtype=int))
     found, balls, middles = face(0, rings=[neck])
-    np.testing.assert_allclose(face_rims.of_face(found, balls), middles, atol=1e-9)
+    np.testing.assert_allclose(face_rims.of_face(found, balls)[0], middles, atol=1e-9)
     assert face_rims.of_face([found[0], found[1], neck], balls) is None
 
 

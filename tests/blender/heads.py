@@ -90,7 +90,7 @@ class Head(NamedTuple):
 
 def made(name):
     """The Head of a name in ``SHAPES``."""
-    return _lifted(SHAPES[name])
+    return made_of(SHAPES[name])
 
 
 def _ellipse(middle, half, count, start=0.0, end=2 * np.pi):
@@ -160,7 +160,8 @@ def _flat(shape):
     return flat, triangles, *numbers
 
 
-def _lifted(shape):
+def made_of(shape):
+    """The Head of a Shape."""
     flat, triangles, lid, lips = _flat(shape)
     flat, triangles, twins = _mirrored(flat, triangles)
     lids = [np.array(lid), twins[lid]]
@@ -187,7 +188,7 @@ def _lifted(shape):
             first + 2 * count + np.array([own[vertex] for vertex in twins[mouth]]),
         ]
     )
-    return Head(vertices, triangles, [_sphere(*ball) for ball in balls], balls, lids, mouth, twins)
+    return Head(vertices, triangles, [ball(*one) for one in balls], balls, lids, mouth, twins)
 
 
 def _turned_in(vertices, triangles, loop, wider, depth):
@@ -251,6 +252,19 @@ def closed(head, mouth=True, eyes=True):
     return head._replace(vertices=vertices, triangles=triangles, twins=twins)
 
 
+def painted(head):
+    """Vertices and triangles of the Head without openings for its eyes, as where they are painted on it."""
+    first = len(head.vertices) - sum(map(len, (*head.lids, head.lips)))
+    behind = np.arange(first, first + sum(map(len, head.lids)))  # what the lids turn in to
+    vertices, triangles = head.vertices, head.triangles[~np.isin(head.triangles, behind).any(axis=1)]
+    for lid, other in zip(head.lids, (1, -1), strict=True):
+        fan = np.column_stack([lid, np.roll(lid, -other), np.full(len(lid), len(vertices))])
+        vertices = np.concatenate([vertices, vertices[lid].mean(axis=0)[None]])
+        triangles = np.concatenate([triangles, fan])
+    used = np.unique(triangles)
+    return vertices[used], np.searchsorted(used, triangles)
+
+
 def _mirrored(flat, triangles):
     """Both halves: points, triangles, and each point's twin."""
     other = np.arange(len(flat))
@@ -290,8 +304,8 @@ def _over(points, centre, radius):
     return moved
 
 
-def _sphere(centre, radius, rings=14, around=24):
-    """An eyeball whose poles look forward and back."""
+def ball(centre, radius, rings=14, around=24):
+    """Vertices and triangles of an eyeball whose poles look forward and back."""
     angle = np.linspace(0, np.pi, rings + 1)[1:-1]
     turn = np.arange(around) * 2 * np.pi / around
     body = np.stack(
@@ -321,7 +335,7 @@ def _sphere(centre, radius, rings=14, around=24):
 
 def cap(middle, radius, rings=10, around=32):
     """Vertices and triangles of hair: of a ball what is above and behind."""
-    points, faces = _sphere(np.array(middle), radius, 2 * rings, around)
+    points, faces = ball(np.array(middle), radius, 2 * rings, around)
     local = points[faces].mean(axis=1) - middle
     faces = faces[local[:, 2] > 0.4 * radius - 0.6 * local[:, 1]]
     used = np.unique(faces)

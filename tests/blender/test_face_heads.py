@@ -10,6 +10,7 @@ import scene
 from bl_ext.user_default.lissom import commands
 from bl_ext.user_default.lissom.bridge import markers as bridge_markers
 from bl_ext.user_default.lissom.bridge import source_face
+from bl_ext.user_default.lissom.core.face_lids import Lids
 from bl_ext.user_default.lissom.core.markers import Marker
 from bl_ext.user_default.lissom.core.surface import Point
 from bl_ext.user_default.lissom.jobs.face import FaceAsked, FaceKeys
@@ -137,8 +138,25 @@ def test_halfway_blinks_go_round_tall_eyes_by_one_press_more():
         assert deep[3] < max(deep[:2]) + 0.01 * radius
 
 
-def test_without_a_clue_it_asks_and_goes_on_with_what_was_clicked(mask):
+def test_without_eyeballs_the_openings_are_guesses_and_followed_once_confirmed(mask):
     head, obj = mask
+    with pytest.raises(RuntimeError, match=r"no eyeball tells .* look at the grey marks.*, and confirm"):
+        bpy.ops.lissom.face_keys(target="Mask")
+    assert obj.data.shape_keys is None
+    assert bpy.ops.lissom.landmarks_confirm() == {"FINISHED"}
+    assert bpy.ops.lissom.face_keys(target="Mask") == {"FINISHED"}
+    blink = head.vertices + delta(obj, "eyeBlinkLeft") + delta(obj, "eyeBlinkRight")
+    for lid in head.lids:
+        lids = Lids.of(head.vertices, np.append(lid, lid[0]))
+        before, after = (np.linalg.norm(lids.gaps(points), axis=1).max() for points in (head.vertices, blink))
+        assert after < 0.05 * before
+
+
+def test_without_a_clue_it_asks_and_goes_on_with_what_was_clicked():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    head = heads.made("mask")
+    vertices, triangles = heads.painted(head)
+    obj = scene.mesh_object("Mask", vertices, triangles)
     corners = [[0.05, -0.5, -0.5], [-0.05, -0.5, -0.5], [0, -0.4, -0.5], [0, -0.45, -0.55]]
     scene.mesh_object("Gum", corners, [[0, 1, 2], [0, 1, 3]])
     with pytest.raises(RuntimeError, match=r"No key is made: .*\. Do this: press Pick and click on 'Mask'"):
@@ -152,7 +170,7 @@ def test_without_a_clue_it_asks_and_goes_on_with_what_was_clicked(mask):
         Marker.between(
             name,
             Point.at(int(np.linalg.norm(rest - own[name], axis=1).argmin())),
-            Point.at(int(np.linalg.norm(head.vertices - click, axis=1).argmin())),
+            Point.at(int(np.linalg.norm(vertices - click, axis=1).argmin())),
         )
         for name, click in zip(
             ("left eye, middle", "right eye, middle", "mouth, middle"), head.clicks, strict=True
