@@ -1,9 +1,9 @@
 """Face keys by one press: people whose answers are known, stylised heads, and what is no face.
 
-    python bench/face.py [--people N] [ROW ...]     in an environment with bpy and the wheel
+    python bench/face.py [--people N] [--seeds N] [ROW ...]     in an environment with bpy and the wheel
 
-ROW is people, heads or others; all of them without. People are random sums of the identity modes, with
-other triangles and vertices moved on the surface, turned, scaled, whole or in part. Landmarks are in
+ROW is people, heads, random or others; all of them without. People are random sums of the identity modes,
+with other triangles and vertices moved on the surface, turned, scaled, whole or in part. Landmarks are in
 percent of the diagonal; key errors are over those that perfect correspondence leaves, at the median of the
 keys; gaps are how much further lids and lips are apart than in the answer, in percent of the diagonal.
 """
@@ -21,6 +21,7 @@ import bpy  # noqa: E402
 import heads  # noqa: E402
 import lissom  # noqa: E402
 import numpy as np  # noqa: E402
+import random_heads  # noqa: E402
 from faces import diagonal, root_mean_square, slid, triangulate  # noqa: E402
 from lissom import data  # noqa: E402
 from measured import FOLDER, load  # noqa: E402
@@ -199,15 +200,38 @@ def heads_row(_):
             )
             if one not in ("jaw", "mouth")
         )
-        verdict = [f"{found.quality.verdict.count(one)} {one}" for one in ("good", "look", "bad")]
         print(
             f"| {name} | {len(head.vertices)} | {found.located.by.lower()}, no click "
             f"| {100 * open_eye:.1f} % "
             f"| {after[2] / before[2]:.1f} times | {after[0] / before[0]:.2f} "
             f"| to {100 * left_open:.0f} % | {100 * smile:.0f} % "
-            f"| {long:.1f} times | {100 * crooked:.0f} % | {', '.join(verdict)} | {seconds:.1f} |",
+            f"| {long:.1f} times | {100 * crooked:.0f} % | {verdicts(found)} | {seconds:.1f} |",
             flush=True,
         )
+
+
+def random_row(told):
+    print("| seed | head | vertices | sure | verdicts | broken | seconds |")
+    print("|---:|---|---:|---:|---|---|---:|")
+    kept = 0
+    for seed in range(told.first, told.first + told.seeds):
+        drawn = random_heads.drawn(seed)
+        start = time.perf_counter()
+        found = face_work((drawn.vertices, drawn.triangles), drawn.parts, "ARKIT").wait()
+        seconds = time.perf_counter() - start
+        row = f"| {seed} | {drawn.told} | {len(drawn.vertices)} |"
+        if isinstance(found, Unsure):
+            print(f"{row} none: {found.why} | | | {seconds:.1f} |", flush=True)
+            continue
+        broken = random_heads.broken(drawn, dict(zip(found.names, found.offsets, strict=True)))
+        kept += not broken
+        told_of = f"{found.located.certainty:.2f} | {verdicts(found)} | {'; '.join(broken)}"
+        print(f"{row} {told_of} | {seconds:.1f} |", flush=True)
+    print(f"| | {kept} of {told.seeds} as promised | | | | | |")
+
+
+def verdicts(found):
+    return ", ".join(f"{found.quality.verdict.count(one)} {one}" for one in ("good", "look", "bad"))
 
 
 def solids():
@@ -246,13 +270,15 @@ def others_row(_):
         print(f"| {name} | {len(vertices)} | {told} |", flush=True)
 
 
-ROWS = {"people": people_row, "heads": heads_row, "others": others_row}
+ROWS = {"people": people_row, "heads": heads_row, "random": random_row, "others": others_row}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("rows", nargs="*", choices=[[], *ROWS], metavar="ROW", help=", ".join(ROWS))
     parser.add_argument("--people", type=int, default=20)
+    parser.add_argument("--seeds", type=int, default=20, help="random heads")
+    parser.add_argument("--first", type=int, default=0, help="the first one's seed")
     told = parser.parse_args()
     bpy.ops.wm.read_factory_settings(use_empty=True)
     for row in told.rows or ROWS:
