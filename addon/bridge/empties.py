@@ -39,8 +39,14 @@ def add(obj, name, centre, size):
 
 def matrix_in(obj, empty):
     """The Empty's matrix in the coordinates of the object, (4, 4); Refused where that has none (row 36)."""
+    return matrices_in(obj, [empty])[0]
+
+
+def matrices_in(obj, empties):
+    """The same of several Empties, (h, 4, 4)."""
     space.linear_part(obj.matrix_world, obj.name)
-    return np.linalg.inv(np.array(obj.matrix_world, dtype=np.float64)) @ np.array(empty.matrix_world)
+    placed = np.array([empty.matrix_world for empty in empties], dtype=np.float64).reshape(-1, 4, 4)
+    return np.linalg.inv(np.array(obj.matrix_world, dtype=np.float64)) @ placed
 
 
 def channels(empty):

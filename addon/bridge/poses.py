@@ -161,7 +161,7 @@ def motion(obj, tracker=None):
     """Where the handles are now, as core.pose.Motion; a turns.Tracker goes with a row of frames."""
     handles, linear = alive_handles(obj), linear_part(obj)
     rest = np.array([handle.rest for handle in handles], dtype=np.float64).reshape(-1, 4, 4)
-    posed = np.array([empties.matrix_in(obj, handle.empty) for handle in handles])
+    posed = empties.matrices_in(obj, [handle.empty for handle in handles])
     transforms = space.handle_transforms(linear, rest, posed)
     if not np.isfinite(transforms).all():
         return core_pose.Motion(transforms)  # refused by whoever solves

@@ -244,6 +244,8 @@ class BoundPose:
         self.doubts = result.report["warnings"][known:]
         self._seconds = result.report["seconds"] / max(1, result.report["iterations"])
         self._warm = True
+        if not self._drapes:
+            return result.vertices, result.report
         body = result.vertices[None, : len(self.vertices)]
         dressed = [drape.apply(body).vertices[0] for drape in self._drapes]
         return np.concatenate([result.vertices, *dressed]), result.report

@@ -58,7 +58,7 @@ def mirror_normal(linear, axis, name):
 
 def into(linear, positions):
     """Object coordinates (..., 3) to solve space."""
-    return positions @ linear.T
+    return positions if _is_applied(linear) else positions @ linear.T
 
 
 def outward(linear, triangles):
@@ -68,13 +68,18 @@ def outward(linear, triangles):
 
 def back(linear, positions):
     """Solve space (..., 3) to object coordinates; refused where Blender cannot hold them (row 4)."""
-    positions = positions @ np.linalg.inv(linear).T
-    if positions.size and np.abs(positions).max() > LARGEST:
+    positions = positions if _is_applied(linear) else positions @ np.linalg.inv(linear).T
+    if positions.size and max(positions.max(), -positions.min()) > LARGEST:
         raise Refused(
             f"The result reaches beyond the largest coordinate that Blender can hold, {LARGEST:.1e}: "
             "scale the mesh down first"
         )
     return positions
+
+
+def _is_applied(linear):
+    # So it is with most objects, and live updates go both ways each time.
+    return np.array_equal(linear, np.eye(3))
 
 
 def part_motion(first_rest, rest, first_now, now):
@@ -141,10 +146,10 @@ def linear_change(before, now):
 def handle_transforms(linear, rest, posed):
     """Rest -> posed in solve space, (h, 4, 4), from handle matrices in object coordinates (h, 4, 4) each.
 
-    T = L P R^-1 L^-1, with L the linear part, R the rest and P the posed matrix of a handle.
+    T = (L P) (L R)^-1, with L the linear part, R the rest and P the posed matrix of a handle.
     """
     lift = np.eye(4)
     lift[:3, :3] = linear
-    transforms = lift @ posed @ np.linalg.inv(rest) @ np.linalg.inv(lift)
+    transforms = lift @ posed @ np.linalg.inv(lift @ rest)
     transforms[:, 3] = 0.0, 0.0, 0.0, 1.0  # Blender's matrices are not affine to the last bit
     return transforms
