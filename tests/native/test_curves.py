@@ -85,7 +85,8 @@ def test_rims_of_a_cartoon_come_right_by_curves(cartoon, markers):
     for rim in (cartoon.eyes[0], cartoon.eyes[1], cartoon.mouth):
         without, by = (cartoon.off(fit, rim) for fit in fits)
         print(f"{without:.3f} % without curves, {by:.3f} % by them")
-        assert by < 0.5 * without
+        # By exact markers the shapes follow already, and lengths along a rim are not exact.
+        assert by < (0.3 if markers else 0.5 * without)
     assert cartoon.off(fits[1], slice(None)) < cartoon.off(fits[0], slice(None))
     assert fits[1].report["flipped_triangles"] == 0 and not fits[1].report["warnings"]
     assert (fits[1].curve_distances < 5e-4 * diagonal(cartoon.drawn)).all()

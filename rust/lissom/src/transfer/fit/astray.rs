@@ -17,7 +17,7 @@ use crate::geometry::triangle::vertex_normals;
 use crate::{Job, Result, Vec3};
 
 /// So many markers lead a fit by themselves.
-const FEW: usize = 6;
+pub const FEW: usize = 6;
 
 /// Curves are believed where they are off by less than this part of their length: by lengths along them, those of the lids
 /// of another artist's head are off by up to 0.08, what is cut short by a quarter by 0.09 and more.

@@ -13,6 +13,7 @@
 //! they are followed instead, and `E_I` holds against the step before in the place of rest, as a viscous fluid does
 //! (Christensen, Rabbitt & Miller 1996), which lets an eye grow to any size and still does not let it fold.
 
+use super::astray;
 use super::doubtful::FEWEST;
 use super::lie::Lie;
 use super::options::FitOptions;
@@ -45,7 +46,8 @@ impl Release {
     pub fn letting_go(options: &FitOptions, lie: &Lie) -> Self {
         let tolerance = options.marker_tolerance;
         let told = (tolerance / lie.scatter.max(LEAST_SCATTER)).max(1.0);
-        if !options.modes.is_empty() || lie.by_curves {
+        let points = lie.markers.iter().filter(|m| !m.is_of_curve()).count();
+        if !options.modes.is_empty() || (lie.by_curves && points < astray::FEW) {
             // By modes and by curves it lies where it belongs before, and is to keep to that. Whether curves lead astray is
             // measured by such fits ([`super::astray`]): in those that slide a cartoon's right ones seem to.
             return Self {
@@ -57,7 +59,7 @@ impl Release {
             };
         }
         // By markers alone it is to slide back from where those that are off have led it.
-        let told = if lie.markers.len() < FEWEST { FEW } else { told };
+        let told = if points < FEWEST { FEW } else { told };
         Self {
             falling: 30.0 * told.powi(2),
             kept: 500.0 * told.powi(2),
