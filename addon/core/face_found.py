@@ -28,6 +28,9 @@ REACH = 0.6  # of an opening's extent, from its middle: a click there is in it, 
 LARGEST = 1.6  # extents of the marks: larger openings are cuts, or that of the neck
 LIKELY = (1.5, 3.0)  # spreads by which people differ at most, and what nobody does
 KIN = 4.0  # spreads of proportions: heads that differ by more are no people's
+BESIDE = 0.1  # of the head's diagonal: no landmark is further outside of its box
+SPREAD = 0.01  # of the head's diagonal, across the line that landmarks are nearest to
+AGAINST = 0.3  # cosine: landmarks do not look that much against the surface around them
 
 
 class Marks(NamedTuple):
@@ -100,6 +103,7 @@ def locate_steps(face, head, marks=None):
             return _guessed(face_rims.of_face(found, None)) or _unsure(face, located)
         marks, by, rims = Marks(middles(face), own[0]), "RIMS", dict(zip(CURVES, own[1], strict=True))
     else:
+        _require_face(marks, vertices, triangles)
         marks, by = _in_openings(marks, middles(face), found), "MARKS"
     at = Frame.of(marks.source, marks.target)
     where = at.there(middles(face))
@@ -137,6 +141,29 @@ def _with_corners(face, marks, head, rims):
         source.append(face.neutral[Lids.of(face.neutral, face.curves[name]).corners])
         target.append(vertices[Lids.of(upright, loop).corners])
     return Marks(np.concatenate(source), np.concatenate(target))
+
+
+def _require_face(marks, vertices, triangles):
+    """Refuses marks that cannot be those of a face on the head."""
+    inside = np.clip(marks.target, vertices.min(axis=0), vertices.max(axis=0))
+    beside = np.linalg.norm(marks.target - inside, axis=1).max()
+    if beside > BESIDE * np.linalg.norm(np.ptp(vertices, axis=0)):
+        raise Refused("The landmarks lie far beside the head: are they in the units of the scene?")
+    away = marks.target - marks.target.mean(axis=0)
+    spread = np.linalg.svd(away, compute_uv=False)
+    if spread[1] < SPREAD * np.linalg.norm(np.ptp(vertices, axis=0)):
+        raise Refused(
+            "The landmarks lie in one place or on one line: set the middles of both eyes and of the mouth"
+        )
+    a, b, c = (vertices[triangles[:, corner]] for corner in range(3))
+    around = np.linalg.norm((a + b + c) / 3 - marks.target.mean(axis=0), axis=1)
+    near = around < np.linalg.norm(away, axis=1).max()
+    outward = np.cross(b - a, c - a)[near].sum(axis=0)
+    looks = Frame.of(marks.source, marks.target).turn @ [0, -1, 0]
+    if outward @ looks < -AGAINST * np.linalg.norm(outward):
+        raise Refused(
+            "The landmarks look into the head: left and right, those of the head itself, are exchanged"
+        )
 
 
 def _looks_inward(vertices, triangles):

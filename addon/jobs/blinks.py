@@ -42,7 +42,10 @@ class Blinks(BakeAll):
             moved = np.linalg.norm(offsets(head.data.shape_keys.key_blocks[name]), axis=1)
             middle = np.average(rest, axis=0, weights=moved) if moved.any() else rest.mean(axis=0)
             away = [np.linalg.norm(ball - middle, axis=1).min() for ball in balls]
-            eye = eyes[int(np.argmin(away))]
+            nearest = int(np.argmin(away))
+            eye = eyes[nearest]
+            if away[nearest] > np.ptp(balls[nearest], axis=0).max() / 2:
+                raise Refused(f"No eyeball is beside what '{name}' moves: give those of both eyes")
             wanted.append(ArcAsked(object=head.name, end=name, clearance=eye.name))
         super().__init__(context, wanted)
 

@@ -71,6 +71,8 @@ class LISSOM_OT_landmarks_confirm(bpy.types.Operator):
         guessed = [row for row in settings.markers if row.guessed]
         if not guessed:
             raise Refused("No marker is guessed")
+        if settings.source is None or settings.target is None:
+            raise Refused("Choose two different objects as source and target first")
         for row in guessed:
             row.guessed = False
         pairs = bridge_markers.of_scene(context.scene)

@@ -2,6 +2,8 @@
 said.
 """
 
+import json
+
 import bpy
 import heads
 import numpy as np
@@ -11,6 +13,7 @@ from bl_ext.user_default.lissom import commands
 from bl_ext.user_default.lissom.bridge import markers as bridge_markers
 from bl_ext.user_default.lissom.bridge import source_face
 from bl_ext.user_default.lissom.core.face_lids import Lids
+from bl_ext.user_default.lissom.core.landmarks import MIDDLES
 from bl_ext.user_default.lissom.core.markers import Marker
 from bl_ext.user_default.lissom.core.surface import Point
 from bl_ext.user_default.lissom.jobs.face import FaceAsked, FaceKeys
@@ -122,6 +125,8 @@ def test_halfway_blinks_go_round_tall_eyes_by_one_press_more():
         bpy.ops.lissom.face_blinks(target="Head", eyes="Left\nRight")
     assert bpy.ops.lissom.face_keys() == {"FINISHED"}
     straight = [delta(obj, f"eyeBlink{side}") for side in ("Left", "Right")]
+    with scene.refused("No eyeball is beside what 'eyeBlinkRight' moves"):
+        bpy.ops.lissom.face_blinks(eyes="Left")
     assert bpy.ops.lissom.face_blinks() == {"FINISHED"}
     for (centre, radius), offsets, side in zip(head.balls, straight, ("Left", "Right"), strict=True):
         obj[f"eyeBlink{side} arc"] = 0.5
@@ -143,6 +148,11 @@ def test_without_eyeballs_the_openings_are_guesses_and_followed_once_confirmed(m
     with pytest.raises(RuntimeError, match=r"no eyeball tells .* look at the grey marks.*, and confirm"):
         bpy.ops.lissom.face_keys(target="Mask")
     assert obj.data.shape_keys is None
+    settings = bpy.context.scene.lissom_transfer
+    source, settings.source = settings.source, None
+    with pytest.raises(RuntimeError, match="Choose two different objects"):
+        bpy.ops.lissom.landmarks_confirm()
+    settings.source = source
     assert bpy.ops.lissom.landmarks_confirm() == {"FINISHED"}
     assert bpy.ops.lissom.face_keys(target="Mask") == {"FINISHED"}
     blink = head.vertices + delta(obj, "eyeBlinkLeft") + delta(obj, "eyeBlinkRight")
@@ -150,6 +160,27 @@ def test_without_eyeballs_the_openings_are_guesses_and_followed_once_confirmed(m
         lids = Lids.of(head.vertices, np.append(lid, lid[0]))
         before, after = (np.linalg.norm(lids.gaps(points), axis=1).max() for points in (head.vertices, blink))
         assert after < 0.05 * before
+
+
+@pytest.mark.parametrize(
+    ("why", "wrong"),
+    [
+        ("far beside the head", lambda places: places * 100),
+        ("left and right", lambda places: places[[1, 0, 2]]),
+        ("in one place", lambda places: places[[0, 0, 0]]),
+    ],
+)
+@pytest.mark.parametrize("kind", ["mask", "round"])
+def test_landmarks_of_no_face_are_refused(tmp_path, kind, why, wrong):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    head = heads.made(kind)
+    obj = scene.mesh_object("Head", head.vertices, head.triangles)
+    places = wrong(np.array(head.clicks)).tolist()
+    file = tmp_path / "landmarks.json"
+    file.write_text(json.dumps(dict(zip([mark.name for mark in MIDDLES], places, strict=True))))
+    with scene.refused(why):
+        bpy.ops.lissom.face_keys(target="Head", landmarks=str(file))
+    assert obj.data.shape_keys is None
 
 
 def test_without_a_clue_it_asks_and_goes_on_with_what_was_clicked():
