@@ -6,7 +6,7 @@ import numpy as np
 from ..core import space
 from ..core.refused import Refused
 from . import groups
-from .checks import is_shown, mesh_object, require_mesh
+from .checks import is_shown, mesh_object, require_mesh, require_own_mesh
 from .meshes import Snapshot, polygons_of_triangles
 
 
@@ -31,12 +31,7 @@ def both_sides(context, source, target):
         raise Refused(f"Source and target are the same object, '{both[0]}': choose two")
     owners = {obj.data: obj for obj in sides[0]}
     for obj in sides[1]:
-        other = owners.setdefault(obj.data, obj)
-        if other != obj:
-            raise Refused(
-                f"'{other.name}' and '{obj.name}' have one mesh in common: give each its own first "
-                "(Object > Relations > Make Single User)"
-            )
+        require_own_mesh(obj, owners)
     return sides
 
 

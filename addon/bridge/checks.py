@@ -82,6 +82,16 @@ def require_unlocked(keys):
         )
 
 
+def require_own_mesh(obj, owners):
+    """Refuses an object whose mesh is that of another among {mesh: object}, and adds it to them."""
+    other = owners.setdefault(obj.data, obj)
+    if other != obj:
+        raise Refused(
+            f"'{other.name}' and '{obj.name}' have one mesh in common: give each its own first "
+            "(Object > Relations > Make Single User)"
+        )
+
+
 def shared_data(obj, what="shape keys"):
     """A warning where other objects use the same mesh data and will change too, or ""."""
     users = sum(1 for other in bpy.data.objects if other.data is obj.data)

@@ -72,8 +72,10 @@ class FaceKeys:
         head = checks.mesh_object(asked.target, context)
         objects = [head, *(checks.mesh_object(name, context) for name in asked.parts.splitlines() if name)]
         objects = list(dict.fromkeys(objects))
+        owners = {}
         for obj in objects:
             checks.require_writable(obj)
+            checks.require_own_mesh(obj, owners)
         self._asked, self._side = asked, Assembly(objects)
         rows = list(zip(self._side.split(self._side.rest()), self._side.parts, strict=True))
         head, *parts = [(vertices, part.triangles) for vertices, part in rows]
@@ -139,6 +141,7 @@ class FaceKeys:
                     writer.write(plan[name], part.vertices, self._back(place, moved))
                     written[obj.name].append(plan[name])
         warnings = [*corrections.warnings(), *found.warnings, *found.located.fit.report["warnings"]]
+        warnings += filter(None, map(checks.shared_data, targets))
         doubts = found.located.doubts
         if doubts:
             warnings.append(f"Landmarks to look at: {first(doubts)}")

@@ -162,6 +162,13 @@ def test_without_eyeballs_the_openings_are_guesses_and_followed_once_confirmed(m
         assert after < 0.05 * before
 
 
+def test_eyes_of_one_mesh_would_turn_together_and_are_refused(mask):
+    left = scene.mesh_object("Left", *mask[0].eyes[0])
+    bpy.context.collection.objects.link(bpy.data.objects.new("Right", left.data))
+    with scene.refused("'Left' and 'Right' have one mesh in common"):
+        bpy.ops.lissom.face_keys(target="Mask", parts="Left\nRight")
+
+
 @pytest.mark.parametrize(
     ("why", "wrong"),
     [
