@@ -8,16 +8,13 @@
 
 use super::lie::Lie;
 use super::marked::LedBy;
-use super::markers::Marker;
+use super::markers::{LEADING, Marker};
 use super::options::FitOptions;
 use super::proportions::{bending, root_mean_square};
 use super::registration::{Registered, register};
 use super::side::{Placed, Side};
 use crate::geometry::triangle::vertex_normals;
 use crate::{Job, Result, Vec3};
-
-/// So many markers lead a fit by themselves.
-pub const FEW: usize = 6;
 
 /// Curves are believed where they are off by less than this part of their length: by lengths along them, those of the lids
 /// of another artist's head are off by up to 0.08, what is cut short by a quarter by 0.09 and more.
@@ -53,7 +50,7 @@ pub fn register_less_astray(
     let points = led_by.followed_points();
     let curves = led_by.followed_curves();
     // Exact ones are followed whatever the surfaces say.
-    if options.marker_tolerance == 0.0 || curves.is_empty() || points.len() >= FEW {
+    if options.marker_tolerance == 0.0 || curves.is_empty() || points.len() >= LEADING {
         return register(source, target, lie, options, start..end, job);
     }
     let all = std::mem::replace(&mut lie.markers, points);

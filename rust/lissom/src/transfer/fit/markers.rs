@@ -17,6 +17,9 @@ const AT_VERTEX: f64 = 1e-9;
 /// Weight along a curve, a fraction of that across it: what lies on it is known, lengths along it differ.
 const SLIDING: f64 = 0.02;
 
+/// So many markers lead a fit by themselves, whatever curves there are.
+pub const LEADING: usize = 6;
+
 /// A turn between the two sets of markers from which on the meshes are said to face different ways.
 const TURNED_DEGREES: f64 = 60.0;
 

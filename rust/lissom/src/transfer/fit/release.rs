@@ -13,9 +13,9 @@
 //! they are followed instead, and `E_I` holds against the step before in the place of rest, as a viscous fluid does
 //! (Christensen, Rabbitt & Miller 1996), which lets an eye grow to any size and still does not let it fold.
 
-use super::astray;
 use super::doubtful::FEWEST;
 use super::lie::Lie;
+use super::markers::LEADING;
 use super::options::FitOptions;
 
 /// Markers that are too few to tell are so many times more exact than the tolerance: surfaces far from all of them slide.
@@ -47,7 +47,7 @@ impl Release {
         let tolerance = options.marker_tolerance;
         let told = (tolerance / lie.scatter.max(LEAST_SCATTER)).max(1.0);
         let points = lie.markers.iter().filter(|m| !m.is_of_curve()).count();
-        if !options.modes.is_empty() || (lie.by_curves && points < astray::FEW) {
+        if !options.modes.is_empty() || (lie.by_curves && points < LEADING) {
             // By modes and by curves it lies where it belongs before, and is to keep to that. Whether curves lead astray is
             // measured by such fits ([`super::astray`]): in those that slide a cartoon's right ones seem to.
             return Self {
