@@ -23,17 +23,12 @@ sys.path[:0] = [str(ROOT / "tests" / "native")]
 
 import makehuman  # noqa: E402
 from measured import load  # noqa: E402
-from test_fit_forgives import SKIN, Head, carried, clicked, shuffled  # noqa: E402
+from test_fit_forgives import FEW, SKIN, Head, carried, clicked, shuffled  # noqa: E402
 
 AMOUNTS = (0.0, 0.0025, 0.005, 0.01, 0.02)
 
-# Of the 68 landmarks of the iBUG scheme: all, those that say where what is, and fewer.
-MARKERS = {
-    68: np.arange(68),
-    21: np.r_[0, 4, 8, 12, 16, 19, 21, 24, 27, 30, 33, 36, 39, 42, 45, 48, 51, 54, 57, 62, 66],
-    13: np.r_[0, 8, 16, 27, 30, 36, 39, 42, 45, 48, 51, 54, 57],
-    6: np.r_[8, 27, 36, 45, 48, 54],
-}
+# Of the 68 landmarks of the iBUG scheme.
+MARKERS = {68: range(68), **FEW, 6: [8, 27, 36, 45, 48, 54]}
 
 # Options of the fit and of the transfer onto the MakeHuman head.
 MAKEHUMAN = {

@@ -145,13 +145,12 @@ def _with_corners(face, marks, head, rims):
 
 def _require_face(marks, vertices, triangles):
     """Refuses marks that cannot be those of a face on the head."""
+    size = np.linalg.norm(np.ptp(vertices, axis=0))
     inside = np.clip(marks.target, vertices.min(axis=0), vertices.max(axis=0))
-    beside = np.linalg.norm(marks.target - inside, axis=1).max()
-    if beside > BESIDE * np.linalg.norm(np.ptp(vertices, axis=0)):
+    if np.linalg.norm(marks.target - inside, axis=1).max() > BESIDE * size:
         raise Refused("The landmarks lie far beside the head: are they in the units of the scene?")
     away = marks.target - marks.target.mean(axis=0)
-    spread = np.linalg.svd(away, compute_uv=False)
-    if spread[1] < SPREAD * np.linalg.norm(np.ptp(vertices, axis=0)):
+    if np.linalg.svd(away, compute_uv=False)[1] < SPREAD * size:
         raise Refused(
             "The landmarks lie in one place or on one line: set the middles of both eyes and of the mouth"
         )

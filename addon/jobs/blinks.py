@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..bridge import checks, shape_keys
-from ..bridge.assembly import world_matrix
+from ..bridge.assembly import Assembly
 from ..bridge.kept import offsets
-from ..bridge.meshes import rest_positions
 from ..core.inbetween import ArcAsked
 from ..core.refused import Refused
 from . import Asked
@@ -36,8 +35,8 @@ class Blinks(BakeAll):
         keys = [name for name in shape_keys.key_names(head) if BLINKS.fullmatch(name)]
         if not keys:
             raise Refused(f"'{head.name}' has no blinks of Face Keys: press Face Keys first")
-        balls = [_in_world(eye, rest_positions(eye.data)) for eye in eyes]
-        rest, wanted = _in_world(head, rest_positions(head.data)), []
+        side, wanted = Assembly([head, *eyes]), []
+        rest, *balls = side.split(side.rest())
         for name in keys:
             moved = np.linalg.norm(offsets(head.data.shape_keys.key_blocks[name]), axis=1)
             middle = np.average(rest, axis=0, weights=moved) if moved.any() else rest.mean(axis=0)
@@ -48,8 +47,3 @@ class Blinks(BakeAll):
                 raise Refused(f"No eyeball is beside what '{name}' moves: give those of both eyes")
             wanted.append(ArcAsked(object=head.name, end=name, clearance=eye.name))
         super().__init__(context, wanted)
-
-
-def _in_world(obj, points):
-    turn = world_matrix(obj)
-    return points @ turn[:3, :3].T + turn[:3, 3]

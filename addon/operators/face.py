@@ -12,6 +12,20 @@ from ..properties.transfer_options import edited_property, exists_property, face
 from .job import JobRunner, allowed, answering
 
 
+def _head_property():
+    return StringProperty(
+        name="Head", description="Name of the mesh object; empty: the target, or else active"
+    )
+
+
+def _head(operator, context):
+    """The name of the head that an operator is for."""
+    head = context.scene.lissom_transfer.target or context.object
+    if not operator.target and head is None:
+        raise Refused("Choose the head as target first")
+    return operator.target or head.name
+
+
 class LISSOM_OT_face_keys(JobRunner, bpy.types.Operator):
     """Give this head the shape keys of a face, found by its shape; it stands upright and looks along -Y"""
 
@@ -19,9 +33,7 @@ class LISSOM_OT_face_keys(JobRunner, bpy.types.Operator):
     bl_label = "Face Keys"
     bl_options = {"REGISTER", "UNDO"}
 
-    target: StringProperty(
-        name="Head", description="Name of the mesh object; empty: the target, or else active"
-    )
+    target: _head_property()
     parts: StringProperty(
         name="Parts", description="Eyes, teeth and lashes that are objects of their own, one name a line"
     )
@@ -61,11 +73,8 @@ class LISSOM_OT_face_keys(JobRunner, bpy.types.Operator):
 
     def asked(self, context):
         settings = context.scene.lissom_transfer
-        head = settings.target or context.object
-        if not self.target and head is None:
-            raise Refused("Choose the head as target first")
         own = "\n".join(row.object.name for row in settings.target_parts if row.object)
-        named = {"target": self.target or head.name, "parts": self.parts or ("" if self.target else own)}
+        named = {"target": _head(self, context), "parts": self.parts or ("" if self.target else own)}
         kinds = self.kinds or ("" if self.target else _kinds(settings))
         path = bpy.path.abspath(self.landmarks) if self.landmarks else ""
         return FaceAsked.of(self, **named, kinds=kinds, landmarks=path)
@@ -111,9 +120,7 @@ class LISSOM_OT_face_blinks(JobRunner, bpy.types.Operator):
     bl_label = "Round the Eyes"
     bl_options = {"REGISTER", "UNDO"}
 
-    target: StringProperty(
-        name="Head", description="Name of the mesh object; empty: the target, or else active"
-    )
+    target: _head_property()
     eyes: StringProperty(
         name="Eyes",
         description="Eyeballs that are objects of their own, one name a line; empty: the parts that are eyes",
@@ -126,16 +133,11 @@ class LISSOM_OT_face_blinks(JobRunner, bpy.types.Operator):
         return allowed(cls, "")
 
     def asked(self, context):
-        settings = context.scene.lissom_transfer
-        head = settings.target or context.object
-        if not self.target and head is None:
-            raise Refused("Choose the head as target first")
-        return BlinksAsked(
-            target=self.target or head.name, eyes=self.eyes or "\n".join(eye.name for eye in eyes(settings))
-        )
+        found = "\n".join(eye.name for eye in _eyes(context.scene.lissom_transfer))
+        return BlinksAsked(target=_head(self, context), eyes=self.eyes or found)
 
 
-def eyes(settings):
+def _eyes(settings):
     """The parts of the target that are eyeballs, as Face Keys has found or was told."""
     parts = [part for part in settings.target_parts if part.object is not None]
     return [part.object for part in parts if (part.kind if part.kind != "AUTO" else part.found) == "EYE"]

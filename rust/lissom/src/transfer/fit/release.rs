@@ -58,25 +58,22 @@ impl Release {
                 is_viscous: false,
             };
         }
-        // By markers alone it is to slide back from where those that are off have led it.
-        let told = if points < FEWEST { FEW } else { told };
-        Self {
-            falling: 30.0 * told.powi(2),
-            kept: 500.0 * told.powi(2),
-            within: 0.3 * tolerance,
-            steps: 3,
-            is_viscous: false,
-        }
+        Self::sliding(if points < FEWEST { FEW } else { told }, tolerance)
     }
 
     /// Of markers that are to be followed.
     pub fn following(options: &FitOptions) -> Self {
+        Self { is_viscous: true, ..Self::sliding(TRUSTED, TRUSTED * options.marker_tolerance) }
+    }
+
+    /// By markers that lead enough by themselves it is to slide back from where those that are off have led it.
+    fn sliding(trust: f64, tolerance: f64) -> Self {
         Self {
-            falling: 30.0 * TRUSTED.powi(2),
-            kept: 500.0 * TRUSTED.powi(2),
-            within: 0.3 * options.marker_tolerance * TRUSTED,
+            falling: 30.0 * trust.powi(2),
+            kept: 500.0 * trust.powi(2),
+            within: 0.3 * tolerance,
             steps: 3,
-            is_viscous: true,
+            is_viscous: false,
         }
     }
 }
