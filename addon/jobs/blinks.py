@@ -14,6 +14,7 @@ from . import Asked
 from .bake import BakeAll
 
 BLINKS = re.compile(r"(eyeBlink|blink)(Left|Right|_L|_R)")  # in the sets of names: of one eye each
+KEYS = 8  # between two of so many the eye does not show through
 
 
 @dataclass(kw_only=True)
@@ -45,5 +46,5 @@ class Blinks(BakeAll):
             eye = eyes[nearest]
             if away[nearest] > np.ptp(balls[nearest], axis=0).max() / 2:
                 raise Refused(f"No eyeball is beside what '{name}' moves: give those of both eyes")
-            wanted.append(ArcAsked(object=head.name, end=name, clearance=eye.name))
+            wanted.append(ArcAsked(object=head.name, end=name, clearance=eye.name, count=KEYS))
         super().__init__(context, wanted)

@@ -164,7 +164,7 @@ class PathOptions(TypedDict, total=False):
     """Closed components keep their volume: it changes in equal steps and none is lost between the ends."""
     clearance: Mesh | None
     """A closed mesh in the same units, as an eyeball under a lid, that no vertex enters deeper than at the
-    deeper of its ends."""
+    deeper of its ends, or comes closer to than at the closer one."""
     clearance_end: ArrayLike | None
     """Where the vertices of that mesh are at the end, if they move."""
     mirror: Sequence[tuple[ArrayLike, ArrayLike]] | None

@@ -129,11 +129,7 @@ def test_halfway_blinks_go_round_tall_eyes_by_one_press_more():
         bpy.ops.lissom.face_blinks(eyes="Left")
     assert bpy.ops.lissom.face_blinks() == {"FINISHED"}
     for (centre, radius), offsets, side in zip(head.balls, straight, ("Left", "Right"), strict=True):
-        obj[f"eyeBlink{side} arc"] = 0.5
-        obj.update_tag()
-        bpy.context.view_layer.update()
-        seen = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices
-        half = np.array([vertex.co for vertex in seen])
+        half = on_arc(obj, side, 0.5)
         moves = np.linalg.norm(offsets, axis=1) > 1e-3 * radius
         deep = [
             radius - np.linalg.norm(points[moves] - centre, axis=1).min()
@@ -141,6 +137,26 @@ def test_halfway_blinks_go_round_tall_eyes_by_one_press_more():
         ]
         assert deep[2] > max(deep[:2]) + 0.15 * radius
         assert deep[3] < max(deep[:2]) + 0.01 * radius
+        # Nor does the eye show through faces that are before it at both ends, between two keys neither.
+        faces = head.triangles[moves[head.triangles].any(axis=1)]
+        ends, way = (
+            [np.linalg.norm(points[faces].mean(axis=1) - centre, axis=1) / radius - 1 for points in some]
+            for some in (
+                (head.vertices, head.vertices + offsets),
+                [on_arc(obj, side, t) for t in (0.25, 0.5, 0.6, 0.75, 0.9)],
+            )
+        )
+        before = np.minimum(*ends) > 0
+        assert np.array(way)[:, before].min() > -0.01  # straight, -0.34
+
+
+def on_arc(obj, side, t):
+    """(n, 3) where the mesh is with the slider of a blink at t."""
+    obj[f"eyeBlink{side} arc"] = t
+    obj.update_tag()
+    bpy.context.view_layer.update()
+    seen = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices
+    return np.array([vertex.co for vertex in seen])
 
 
 def test_without_eyeballs_the_openings_are_guesses_and_followed_once_confirmed(mask):

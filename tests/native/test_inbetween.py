@@ -382,6 +382,20 @@ def test_an_obstacle_must_be_closed_and_may_move():
     assert np.linalg.norm(held - middle, axis=1).min() > 0.5 - 3e-3
 
 
+def test_coarse_faces_keep_out_where_the_ends_are_clear():
+    ball_points, sides = ball(np.zeros(3), 1.0, 48, 96)
+    x, y = (p.ravel() for p in np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 9), indexing="ij"))
+    start, end = (np.column_stack([x + shift, y, np.full(len(x), 0.75)]) for shift in (-2.4, 2.8))
+    faces = grid_faces(9, 9)
+    obstacle = lissom.Mesh(ball_points, sides)
+    path = lissom.Inbetween(lissom.Mesh(start, faces), start, end, clearance=obstacle)
+    for shape in path.at(np.linspace(0, 1, 11)):
+        corners = shape[faces]
+        across = np.concatenate([corners.mean(axis=1), (corners + corners[:, [1, 2, 0]]).reshape(-1, 3) / 2])
+        # With vertices on the ball, 0.984.
+        assert np.linalg.norm(across, axis=1).min() > 1
+
+
 def test_the_surveys_twisted_bar_loses_no_volume(data):
     survey = data("survey")
     start, faces, status = survey["bar_vertices"].astype(float), survey["bar_faces"], survey["bar_status"]

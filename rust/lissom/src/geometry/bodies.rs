@@ -1,6 +1,6 @@
 //! Bodies: closed surfaces in which something may be, and how deep.
 
-use super::body::Body;
+use super::body::{Body, SignedDistance};
 use super::boxes::Boxes;
 use super::groups::Groups;
 use super::rows::Rows;
@@ -34,10 +34,15 @@ impl Bodies {
         Self { all, boxes: Boxes::around(points) }
     }
 
-    /// How deep a point is in the body that it is deepest in, and the nearest point of that one's surface; `None` outside.
-    pub fn deepest(&self, point: Vec3) -> Option<(f64, Vec3)> {
-        let depths = self.boxes.within(point, 0.0).into_iter().filter_map(|k| self.all[k].depth(point));
-        depths.max_by(|a, b| a.0.total_cmp(&b.0))
+    /// The side of the body that a point is deepest in or, outside of all, nearest to; `None` where that is
+    /// higher than `reach`, which may be negative.
+    pub fn side(&self, point: Vec3, reach: f64) -> Option<SignedDistance> {
+        let sides = self.boxes.within(point, reach.max(0.0)).into_iter().filter_map(|k| {
+            // Inside, the surface may be further away.
+            let side = self.all[k].side(point, f64::INFINITY)?;
+            (side.signed_distance <= reach).then_some(side)
+        });
+        sides.min_by(|a, b| a.signed_distance.total_cmp(&b.signed_distance))
     }
 }
 
@@ -52,12 +57,16 @@ mod tests {
         let faces = [[0u32, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
         let triangles: Vec<[u32; 3]> = (0..2).flat_map(|k| faces.map(|t| t.map(|v| v + 4 * k))).collect();
         let bodies = Bodies::parts(&vertices, &triangles);
-        let depths = |p: Vec3| bodies.all.iter().filter_map(move |body| body.depth(p)).map(|of| of.0);
+        let sides = |p: Vec3| bodies.all.iter().filter_map(move |body| body.side(p, f64::INFINITY));
+        let depths = |p: Vec3| sides(p).map(|side| side.signed_distance).filter(|&d| d < 0.0);
         // In the first alone, beside the surface of the second; in both; in none.
         for (z, count) in [(0.09, 1), (0.3, 2), (-0.1, 0)] {
             let p = Vec3::new(0.3, 0.3, z);
             assert_eq!(depths(p).count(), count);
-            assert_eq!(bodies.deepest(p).map(|of| of.0), depths(p).max_by(f64::total_cmp));
+            assert_eq!(
+                bodies.side(p, 0.0).map(|side| side.signed_distance),
+                depths(p).min_by(f64::total_cmp)
+            );
         }
     }
 
@@ -95,15 +104,9 @@ mod tests {
             let p = Vec3::new(f64::from(k % 10), f64::from(k / 10 % 10), f64::from(k / 100)) * 0.22
                 - Vec3::splat(1.0);
             let side = body.side(p, f64::MAX).unwrap();
-            let depth = bodies.deepest(p);
-            assert_eq!(depth.is_some(), side.signed_distance < 0.0, "{p}");
-            if let Some((depth, nearest)) = depth {
-                inside += 1;
-                assert!(
-                    (depth + side.signed_distance).abs() < 1e-12
-                        && (nearest.distance(p) - depth).abs() < 1e-12
-                );
-            }
+            let of_any = bodies.side(p, 0.0).map(|side| side.signed_distance);
+            assert_eq!(of_any, (side.signed_distance < 0.0).then_some(side.signed_distance), "{p}");
+            inside += u32::from(of_any.is_some());
         }
         assert!(inside > 100);
     }

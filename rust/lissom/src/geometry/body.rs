@@ -74,12 +74,6 @@ impl Body {
         let signed_distance = if is_inside { -hit.distance } else { hit.distance };
         Some(SignedDistance { signed_distance, hit, out: face })
     }
-
-    /// How deep a point is inside, and the nearest point of the surface; `None` outside.
-    pub fn depth(&self, point: Vec3) -> Option<(f64, Vec3)> {
-        let side = self.side(point, f64::INFINITY)?;
-        (side.signed_distance < 0.0).then_some((-side.signed_distance, side.hit.point))
-    }
 }
 
 /// The unit normal of a triangle; zero where it has no area.

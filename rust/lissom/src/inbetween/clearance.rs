@@ -1,8 +1,9 @@
-//! Clearance: no in-between deeper in an obstacle than the ends are.
+//! Clearance: no in-between closer to an obstacle, or deeper in it, than the ends are.
 //!
-//! The *depth* of a vertex is its distance to the surface of the obstacle where it is inside, and zero outside. A vertex may be as deep
-//! as at the deeper of its two ends. Those that are deeper are brought back to that depth by the shortest way and
-//! held; all others follow by
+//! The *height* of a vertex is its distance from the surface of the obstacle, negative inside. A vertex may be as low as at
+//! the lower of its two ends, and where it is high at both, so high that triangles between such vertices do not dip into
+//! a round obstacle. Those that are lower are brought back to that height by the shortest way and held; all others
+//! follow by
 //!
 //! ```text
 //!     L d = 0,        d given at the held vertices
@@ -21,17 +22,21 @@ use crate::{Error, Fault, Job, Mesh, Result, Vec3};
 /// Rounds of holding what offends.
 const ROUNDS: usize = 30;
 
-/// Depth beyond what is allowed, as a fraction of the size of the mesh, that offends nobody.
+/// Height that a vertex keeps where both ends have more, over its longest edge: a regular triangle of edges `e` dips by
+/// `e^2 / 6r` into a ball of radius `r`, and is no larger than that.
+const KEPT: f64 = 1.0 / 6.0;
+
+/// What a vertex may be lower than it should, as a fraction of the size of the mesh, and offend nobody.
 const NOTHING: f64 = 1e-9;
 
 /// Where the vertices of an obstacle are at a time.
 type Trajectory = Box<dyn Fn(f64, &Job) -> Result<Vec<Vec3>> + Send + Sync>;
 
-/// The obstacle, and how deep each vertex may be in it.
+/// The obstacle, and how low each vertex may be.
 pub(super) struct Clearance {
     triangles: Vec<[u32; 3]>,
     at: Trajectory,
-    allowed: Vec<f64>,
+    lowest: Vec<f64>,
     offence: f64,
 }
 
@@ -42,12 +47,19 @@ impl std::fmt::Debug for Clearance {
 }
 
 impl Clearance {
-    /// `at` says where the vertices of `obstacle` are, `ends` are the two shapes.
+    /// `at` says where the vertices of `obstacle` are, `ends` are the two shapes of `mesh`.
     ///
     /// # Errors
     ///
     /// [`Error::InvalidValue`] for an obstacle with a border, and those of `at`.
-    pub fn new(obstacle: &Mesh, at: Trajectory, ends: [&[Vec3]; 2], scale: f64, job: &Job) -> Result<Self> {
+    pub fn new(
+        mesh: &Mesh,
+        obstacle: &Mesh,
+        at: Trajectory,
+        ends: [&[Vec3]; 2],
+        scale: f64,
+        job: &Job,
+    ) -> Result<Self> {
         let adjacency = obstacle.adjacency();
         let open = adjacency.edges().iter().enumerate();
         let open = open.filter(|(e, _)| adjacency.sides_of(*e).len() < 2).map(|(_, edge)| edge[0] as usize);
@@ -55,12 +67,14 @@ impl Clearance {
             return Err(Error::InvalidValue(fault));
         }
         let triangles = obstacle.outward_triangles();
-        let mut new = Self { triangles, at, allowed: vec![0.0; ends[0].len()], offence: NOTHING * scale };
+        let lowest = kept(mesh, ends);
+        let mut new = Self { triangles, at, lowest, offence: NOTHING * scale };
         for (t, shape) in [0.0, 1.0].into_iter().zip(ends) {
             let bodies = new.bodies(t, job)?;
-            let depths: Vec<f64> =
-                shape.par_iter().map(|&p| bodies.deepest(p).map_or(0.0, |hit| hit.0)).collect();
-            new.allowed.iter_mut().zip(depths).for_each(|(a, d)| *a = a.max(d));
+            let lower = |(lowest, &p): (&mut f64, &Vec3)| {
+                *lowest = bodies.side(p, *lowest).map_or(*lowest, |side| side.signed_distance);
+            };
+            new.lowest.par_iter_mut().zip(shape).for_each(lower);
         }
         Ok(new)
     }
@@ -70,7 +84,7 @@ impl Clearance {
         Ok(Bodies::parts(&(self.at)(t, job)?, &self.triangles))
     }
 
-    /// Moves `y` so that no vertex of the shape is too deep at time `t`.
+    /// Moves `y` so that no vertex of the shape is too low at time `t`.
     ///
     /// # Errors
     ///
@@ -95,10 +109,11 @@ impl Clearance {
                 if stationary(v) || mesh.representative(v as u32) != v as u32 {
                     return None;
                 }
-                let (depth, nearest) = bodies.deepest(x[v])?;
-                let allowed = self.allowed[v];
-                (depth > allowed + self.offence)
-                    .then(|| (v, nearest + (x[v] - nearest) * (allowed / depth) - x[v]))
+                let lowest = self.lowest[v];
+                let side = bodies.side(x[v], lowest - self.offence)?;
+                let away = x[v] - side.hit.point;
+                let out = (away * side.signed_distance.signum()).try_normalize().unwrap_or(side.out);
+                Some((v, out * lowest - away))
             };
             let offenders: Vec<(usize, Vec3)> = (0..y.len()).into_par_iter().filter_map(offending).collect();
             if offenders.is_empty() {
@@ -130,4 +145,17 @@ impl Clearance {
         }
         Ok(())
     }
+}
+
+/// The height that each vertex keeps where both ends have more.
+fn kept(mesh: &Mesh, ends: [&[Vec3]; 2]) -> Vec<f64> {
+    let mut kept = vec![0.0f64; ends[0].len()];
+    for &[a, b] in mesh.adjacency().edges() {
+        let [a, b] = [a, b].map(|v| v as usize);
+        let long = ends.map(|x| x[a].distance(x[b])).into_iter().fold(0.0, f64::max);
+        for v in [a, b] {
+            kept[v] = kept[v].max(KEPT * long);
+        }
+    }
+    kept
 }

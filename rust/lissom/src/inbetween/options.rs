@@ -35,7 +35,7 @@ options! {
         /// Closed components keep their volume: it changes in equal steps and none is lost between the ends.
         pub preserve_volume: bool = false,
         /// A closed mesh in the same units, as an eyeball under a lid, that no vertex enters deeper than at the
-        /// deeper of its ends.
+        /// deeper of its ends, or comes closer to than at the closer one.
         pub clearance: Option<Arc<Mesh>> = None,
         /// Where the vertices of that mesh are at the end, if they move.
         pub clearance_end: Option<Vec<Vec3>> = None => unit("the mesh's units"),

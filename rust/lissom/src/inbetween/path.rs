@@ -100,7 +100,9 @@ impl Inbetween {
         let problem = "open components, which have no volume to preserve, named by their first vertex";
         warnings.extend(Fault::at("preserve_volume", problem, open).map(|fault| fault.to_string()));
         let clearance = match (&options.clearance, &options.clearance_end) {
-            (Some(mesh), moved) => Some(clearance(mesh, moved.as_deref(), [start, end], shapes.scale, job)?),
+            (Some(obstacle), moved) => {
+                Some(clearance(&mesh, obstacle, moved.as_deref(), [start, end], shapes.scale, job)?)
+            }
             (None, Some(_)) => {
                 let problem = "needs clearance, the surface that it moves";
                 return Err(Error::InvalidValue(Fault::new("clearance_end", problem)));
@@ -261,7 +263,8 @@ impl Inbetween {
 
 /// What keeps a path from `ends[0]` to `ends[1]` out of an obstacle, whose vertices end where they are `moved` to.
 fn clearance(
-    mesh: &Arc<Mesh>,
+    mesh: &Mesh,
+    obstacle: &Arc<Mesh>,
     moved: Option<&[Vec3]>,
     ends: [&[Vec3]; 2],
     scale: f64,
@@ -269,17 +272,18 @@ fn clearance(
 ) -> Result<Clearance> {
     let path = match moved {
         Some(end) => {
-            let path = Inbetween::new(mesh.clone(), mesh.vertices(), end, InbetweenOptions::default(), job);
+            let path =
+                Inbetween::new(obstacle.clone(), obstacle.vertices(), end, InbetweenOptions::default(), job);
             Some(path.map_err(|error| error.renamed("clearance_end"))?)
         }
         None => None,
     };
-    let rest = mesh.clone();
+    let rest = obstacle.clone();
     let at = move |t: f64, job: &Job| match &path {
         Some(path) => Ok(path.at(&[t], job)?.remove(0)),
         None => Ok(rest.vertices().to_vec()),
     };
-    Clearance::new(mesh, Box::new(at), ends, scale, job)
+    Clearance::new(mesh, obstacle, Box::new(at), ends, scale, job)
 }
 
 /// The rotation vector of every component's triangles on the mean, weighted by area.
