@@ -8,7 +8,7 @@ import numpy as np
 from ..core import hat, names, space
 from ..core import inbetween as core_inbetween
 from ..core.inbetween import ArcAsked, path_steps
-from ..core.refused import Refused
+from ..core.refused import Refused, first
 from ..core.work import Work
 from . import checks, meshes, mirrors, shape_keys, sliders
 
@@ -41,6 +41,12 @@ def is_stale(obj, arc):
         return Ends(obj, ArcAsked.of(arc)).digest() != arc.digest
     except Refused:
         return True
+
+
+def out_of_date(obj):
+    """A warning where arcs are stale, or ""."""
+    stale = [repr(arc.name) for arc in obj.lissom_inbetween.arcs if is_stale(obj, arc)]
+    return f"Arcs on '{obj.name}' are out of date, bake them again: {first(stale)}" if stale else ""
 
 
 def missing(obj, arc):

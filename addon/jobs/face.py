@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..bridge import checks, source_face
+from ..bridge import arcs, checks, source_face
 from ..bridge import markers as bridge_markers
 from ..bridge.assembly import Assembly
 from ..bridge.meshes import surface
@@ -141,7 +141,9 @@ class FaceKeys:
                     writer.write(plan[name], part.vertices, self._back(place, moved))
                     written[obj.name].append(plan[name])
         warnings = [*corrections.warnings(), *found.warnings, *found.located.fit.report["warnings"]]
-        warnings += filter(None, map(checks.shared_data, targets))
+        warnings += filter(
+            None, [told(obj) for obj in targets for told in (checks.shared_data, arcs.out_of_date)]
+        )
         doubts = found.located.doubts
         if doubts:
             warnings.append(f"Landmarks to look at: {first(doubts)}")

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ..bridge import animation, groups, shape_keys
+from ..bridge import animation, arcs, groups, shape_keys
 from ..core import names
 from ..core.quality import pack_faces
 from ..core.refused import Refused, first
@@ -106,6 +106,7 @@ class TransferKeys:
             warnings=[
                 *warnings,
                 *self._corrections.warnings(),
+                *filter(None, map(arcs.out_of_date, targets)),
                 *request.told_of_transfer(result.fit, result.warnings),
             ],
             fit=fit,

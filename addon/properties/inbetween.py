@@ -56,8 +56,9 @@ def path_properties(**also):
         ),
         "clearance": StringProperty(
             name="Clearance",
-            description="A closed mesh object, as an eyeball under a lid, that the arc comes no closer to and enters "
-            "no deeper than its ends do. Where it has keys of their names, it moves by them",
+            description="A closed mesh object, as an eyeball under a lid, that the arc comes no "
+            "closer to and enters no deeper than its ends do. Where it has keys of their names, it moves "
+            "by them",
             search=_obstacles,
             search_options=set(),
             **also,

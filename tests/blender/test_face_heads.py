@@ -61,7 +61,7 @@ def test_a_mask_gets_keys_without_a_click_and_its_lids_close(mask):
         assert long.max() < 3, name
 
 
-@pytest.mark.parametrize("name", heads.SHAPES)
+@pytest.mark.parametrize("name", scene.by_turns(heads.SHAPES))
 def test_a_bag_behind_the_mouth_and_sockets_behind_the_eyes_hide_no_opening(name):
     """Most artists close what is behind lips and lids, so that nothing there is a border."""
     bpy.ops.wm.read_factory_settings(use_empty=True)

@@ -8,7 +8,7 @@ from bl_ext.user_default.lissom.core.face_found import Unsure
 from bl_ext.user_default.lissom.jobs.face import FaceAsked, FaceKeys
 
 
-@pytest.mark.parametrize("seed", [4, 7, 12])
+@pytest.mark.parametrize("seed", scene.by_turns([4, 7, 12]))
 def test_random_heads_get_keys_without_a_click_that_are_as_promised(seed):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     drawn = random_heads.drawn(seed)

@@ -40,6 +40,18 @@ def test_keys_are_returned_by_object_with_their_quality():
     assert done.summary == "2 shape keys on 'Target'"
 
 
+def test_arcs_to_keys_that_became_others_are_said_to_be_out_of_date():
+    source, _ = monkeys()
+    once = run(TransferKeys(bpy.context, KeysAsked()))
+    bpy.ops.lissom.inbetween_bake(object="Target", end="squash", count=2, slider="low")
+    again = run(TransferKeys(bpy.context, KeysAsked()))
+    squash = source.data.shape_keys.key_blocks["squash"]
+    squash.data.foreach_set("co", (scene.key_points(source, "Basis") * np.float32([1.2, 1, 0.7])).ravel())
+    changed = run(TransferKeys(bpy.context, KeysAsked()))
+    said = "Arcs on 'Target' are out of date, bake them again: 'low'"
+    assert [said in done.warnings for done in (once, again, changed)] == [False, False, True]
+
+
 def test_a_job_does_what_its_operator_does():
     _, target = monkeys()
     bpy.ops.lissom.transfer_keys(scale="source", match_distance=0.03)

@@ -19,11 +19,11 @@ SETTINGS = {
 }
 
 
-def monkeys(levels=1, target_levels=1):
-    """Suzanne with keys, and Suzanne of other faces; a marker at every 10th of the plain one's vertices."""
+def monkeys(levels=1, target_levels=1, every=20):
+    """Suzanne with keys, and Suzanne of other faces; a marker at every so many of the plain vertices."""
     bpy.ops.mesh.primitive_monkey_add()
     plain = bpy.context.object
-    places = scene.points(plain.data.vertices)[::10]
+    places = scene.points(plain.data.vertices)[::every]
     bpy.data.objects.remove(plain)
     source = scene.monkey(levels, "Source")
     target = scene.monkey(target_levels, "Target")

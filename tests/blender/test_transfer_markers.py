@@ -46,7 +46,7 @@ def subdivided(obj, kind="SUBSURF"):
 
 
 def test_pairs_of_one_side_are_completed():
-    monkeys()
+    monkeys(every=10)
     rows = settings().markers
     sides = [rests()[0][row.source][0] for row in rows]
     for index in reversed(range(len(rows))):

@@ -97,7 +97,7 @@ def test_rims_of_a_cartoon_come_right_by_curves(cartoon, markers):
 
 def test_where_a_loop_begins_and_which_way_it_goes_makes_no_difference(cartoon):
     fits = []
-    for shift, way in ((0, 1), (5, 1), (17, -1), (40, -1)):
+    for shift, way in ((0, 1), (5, 1), (40, -1)):
         turned = []
         for source, target in cartoon.curves():
             ring = np.roll(target[:-1], shift)[::way]
