@@ -146,3 +146,17 @@ def test_row_27_meshes_that_do_not_lie_on_each_other():
     assert 60 < report["unmatched_target_percent"] < 70
     with pytest.raises(lissom.InvalidConstraint, match="markers: given"):
         lissom.fit_correspondence(mesh, partly, [[0, 0]], overlap=True)
+
+
+def test_faces_that_lie_on_the_source_and_face_away_are_told():
+    vertices, faces = tube(60, 48)
+    outside, inside = vertices * [1, 1.04, 1.04], vertices * [1, 1.02, 1.02]
+    lining = faces[:, ::-1]
+    thick = np.concatenate([outside, inside]), np.concatenate([faces, lining + len(vertices)])
+    body = lissom.Mesh(vertices, faces)
+    for target, percent in (((outside, faces), None), (thick, "50 %")):
+        fit = lissom.fit_correspondence(body, lissom.Mesh(*target), overlap=True, match_distance=0.05)
+        told = [line for line in fit.report["warnings"] if "face away" in line]
+        assert [line.split(" of the target")[0] for line in told] == (
+            [f"overlap: {percent}"] if percent else []
+        )
