@@ -12,7 +12,7 @@ const MOLLIFY: f64 = 1e-5;
 /// Below this part of its longest edge squared, twice the area of a triangle is too little to tell where in it a point is.
 const SLIVER: f64 = 1e-9;
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct TriangleGeometry {
     pub areas: Vec<f64>,
     pub normals: Vec<Vec3>,

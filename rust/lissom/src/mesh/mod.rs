@@ -20,7 +20,7 @@ use crate::{Error, Fault, Job, Mat3, Result, Vec3};
 /// A validated triangle mesh with its adjacency and geometry.
 ///
 /// Immutable and cheap to share behind an `Arc`.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Mesh {
     vertices: Vec<Vec3>,
     frame: UnitFrame,
@@ -98,6 +98,17 @@ impl Mesh {
         self.reshaped(self.rest.iter().map(|&p| turn * p).collect())
     }
 
+    /// The mesh with its triangles wound alike in each part that hangs together by edges, as most of its area is, and then
+    /// all of them the other way if it is `inside_out`; and which ones were turned.
+    pub(crate) fn wound_alike(&self, inside_out: bool) -> (Self, Vec<bool>) {
+        let against = orientation::against_most(&self.triangles, &self.adjacency, &self.geometry.areas);
+        let over: Vec<bool> = against.into_iter().map(|against| against != inside_out).collect();
+        let triangles = orientation::turn(&self.triangles, &over);
+        let adjacency = Adjacency::of(self.vertices.len(), &triangles);
+        let geometry = TriangleGeometry::of(&self.rest, &triangles);
+        (Self { adjacency, geometry, triangles, ..self.clone() }, over)
+    }
+
     /// The part of a mesh that some of its triangles make up, in the unit coordinates of the whole.
     ///
     /// `whole` lists its vertices by their index in the whole, `triangles` indexes into `whole`.
@@ -150,21 +161,9 @@ impl Mesh {
 
     /// The same triangles on other rest positions, in the same unit coordinates.
     pub(crate) fn reshaped(&self, rest: Vec<Vec3>) -> Self {
-        Self {
-            vertices: rest.iter().map(|&p| self.frame.from_unit(p)).collect(),
-            frame: self.frame,
-            diagonal: self.diagonal,
-            triangle_ids: self.triangle_ids.clone(),
-            input_triangles: self.input_triangles,
-            images_from: self.images_from,
-            adjacency: self.adjacency.clone(),
-            components: self.components.clone(),
-            geometry: TriangleGeometry::of(&rest, &self.triangles),
-            rest,
-            triangles: self.triangles.clone(),
-            welds: self.welds.clone(),
-            warnings: self.warnings.clone(),
-        }
+        let vertices = rest.iter().map(|&p| self.frame.from_unit(p)).collect();
+        let geometry = TriangleGeometry::of(&rest, &self.triangles);
+        Self { vertices, geometry, rest, ..self.clone() }
     }
 
     /// Positions as given, in the mesh's own units.

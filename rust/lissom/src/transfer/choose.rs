@@ -198,17 +198,21 @@ impl Chooser {
         Ok(chooser)
     }
 
-    /// Images that keep their size against the other triangles, and the side that they show.
+    /// Images that keep their size against the other triangles, and the side that they show: the source's, or the other
+    /// one where the triangle itself faces away from the source, as linings do and what is inside out.
     fn find_sound(&self, source: &Mesh, target: &Mesh) -> Vec<bool> {
-        let of = |t: &[u32; 3]| -> Option<(f64, bool)> {
+        let of = |(t, &own): (&[u32; 3], &Vec3)| -> Option<(f64, bool)> {
             let corners = t.map(|v| self.images.get(v as usize).copied().flatten());
             let [Some(a), Some(b), Some(c)] = corners else { return None };
             let [p, q, r] = t.map(|v| self.points[v as usize]);
             let cross = (q - p).cross(r - p);
-            let faces = |image: Image| source.normals()[image.triangle as usize].dot(cross) > 0.0;
-            Some((0.5 * cross.length(), [a, b, c].into_iter().filter(|i| faces(*i)).count() >= 2))
+            let normals = [a, b, c].map(|image| source.normals()[image.triangle as usize]);
+            let most = |shows: &dyn Fn(Vec3) -> bool| normals.iter().filter(|&&n| shows(n)).count() >= 2;
+            let alike = most(&|normal| normal.dot(cross) > 0.0);
+            let away = || most(&|normal| normal.dot(cross) < 0.0 && normal.dot(own) < 0.0);
+            Some((0.5 * cross.length(), alike || away()))
         };
-        let found: Vec<_> = target.triangles().par_iter().map(of).collect();
+        let found: Vec<_> = target.triangles().par_iter().zip(target.normals()).map(of).collect();
         let ratio = |(found, &area): (&Option<(f64, bool)>, &f64)| found.map(|(image, _)| image / area);
         let mut ratios: Vec<f64> = found.iter().zip(target.areas()).filter_map(ratio).collect();
         ratios.retain(|r| r.is_finite() && *r > 0.0);

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use super::astray::register_less_astray;
 use super::diagnosis::{Fit, FitReport, conclude};
+use super::facing::wound_alike;
 use super::marked::Marked;
 use super::morph::{self, Morph};
 use super::options::FitOptions;
@@ -55,16 +56,33 @@ pub fn fit_correspondence(
         (fit.rest, fit.coefficients) = Morph::of_same(source, target, &options.modes).told(source);
         return Ok(fit);
     }
+    job.report(0.0, "fit");
+    job.check()?;
+    let [from, onto] = wound_alike(source, target, markers, options, &mut warnings, job)?;
+    let mut fit = fit_wound(&from.mesh, &onto.mesh, markers, options, warnings, job)?;
+    from.as_given(&mut fit.matches.images);
+    onto.as_given(&mut fit.matches.back_images);
+    fit.report.seconds = start.elapsed().as_secs_f64();
+    job.report(1.0, "match");
+    Ok(fit)
+}
+
+/// The fit of meshes of which each is wound alike, and one as the other.
+fn fit_wound(
+    source: &Mesh,
+    target: &Mesh,
+    markers: Option<&[[u32; 2]]>,
+    options: &FitOptions,
+    mut warnings: Vec<String>,
+    job: &Job,
+) -> Result<Fit> {
     let source_side = Side::new(source, "source_mask", &options.source_mask)?;
     let target_side = Side::new(target, "target_mask", &options.target_mask)?;
     let onto = Placed::new(&target_side, target.rest());
-    job.report(0.0, "fit");
-    job.check()?;
     if options.overlap {
         let report = FitReport { warnings, ..FitReport::default() };
         let mut fit = overlap(&source_side, &onto, options.match_distance, report, job)?;
         fit.rest = source.vertices().to_vec();
-        fit.report.seconds = start.elapsed().as_secs_f64();
         return Ok(fit);
     }
 
@@ -96,8 +114,6 @@ pub fn fit_correspondence(
     [fit.marker_distances, fit.curve_distances] = led.off.map(in_units);
     [fit.doubtful_markers, fit.doubtful_curves] = led.doubtful;
     (fit.unmet_curves, fit.reordered_curves) = (led.unmet, led.reordered);
-    fit.report.seconds = start.elapsed().as_secs_f64();
-    job.report(1.0, "match");
     Ok(fit)
 }
 

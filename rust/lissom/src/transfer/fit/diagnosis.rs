@@ -159,6 +159,11 @@ pub fn conclude(
         for pair in &pairs {
             matched[pair[side] as usize] = true;
         }
+        if overlap {
+            let images = [&back_images, &images][side];
+            let lies = |t: &[u32; 3]| t.iter().all(|&v| images[v as usize].is_some());
+            matched.iter_mut().zip(mesh.triangles()).for_each(|(matched, t)| *matched |= lies(t));
+        }
         let count = matched.iter().filter(|m| !**m).count();
         let unmatched = mesh.areas().iter().zip(&matched).filter(|(_, m)| !**m);
         let percent = 100.0 * unmatched.fold(0.0, |sum, (a, _)| sum + a) / mesh.area();

@@ -38,7 +38,8 @@ pub fn images(
     })
 }
 
-/// The same for meshes that lie on each other as they are ([`super::overlap`]).
+/// The same for meshes that lie on each other as they are ([`super::overlap`]). A vertex that has none so takes the image
+/// of what is across the thickness of its own mesh, as the inside of clothes does.
 ///
 /// # Errors
 ///
@@ -52,9 +53,17 @@ pub fn images_of_overlap(
 ) -> Result<Vec<Option<SurfacePoint>>> {
     of_vertices(of, job, |v, component| {
         let (point, normal) = (of.positions[v], of.normals[v].normalize_or_zero());
-        let hit = on.closest(point, normal, reach, partner[component], DETOUR)?;
-        let image = SurfacePoint { triangle: hit.triangle as u32, weights: hit.weights };
-        is_trusted(on, &hit, point, normal).then_some(image)
+        let image = |point, normal, component: usize| {
+            let hit = on.closest(point, normal, reach, partner[component], DETOUR)?;
+            let image = SurfacePoint { triangle: hit.triangle as u32, weights: hit.weights };
+            is_trusted(on, &hit, point, normal).then_some(image)
+        };
+        image(point, normal, component).or_else(|| {
+            let across =
+                of.surface.exit(point, -normal, |_| true).filter(|across| across.distance <= reach)?;
+            let normal = of.normal(across.triangle, across.weights);
+            image(across.point, normal, of.side.component[across.triangle] as usize)
+        })
     })
 }
 

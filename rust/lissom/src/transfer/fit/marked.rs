@@ -151,7 +151,17 @@ impl Marked {
     }
 }
 
-fn checked(source: &Mesh, target: &Mesh, markers: &[[u32; 2]], options: &FitOptions) -> Result<Vec<Marker>> {
+/// Markers by pairs of vertices, or the points among the options.
+///
+/// # Errors
+///
+/// [`Error::InvalidConstraint`] for some that cannot be used.
+pub fn checked(
+    source: &Mesh,
+    target: &Mesh,
+    markers: &[[u32; 2]],
+    options: &FitOptions,
+) -> Result<Vec<Marker>> {
     let pairs: Vec<[u32; 2]> =
         markers.iter().map(|&[s, t]| [source.representative(s), target.representative(t)]).collect();
     let unit = |mesh: &Mesh, points: &[Vec3]| -> Vec<Vec3> {

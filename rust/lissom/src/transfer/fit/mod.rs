@@ -2,6 +2,7 @@
 //!
 //! After Sumner & Popović 2004, section 4; what differs is said where it does.
 //!
+//! 0. Faces that look the wrong way are turned for the fit (`facing`).
 //! 1. How the source *lies* on the target, by its markers and curves less the `doubtful` ones, or by the shapes alone
 //!    (`marked`: `markers`, `curves`, `doubtful`, `lie`, [`super::alignment`]).
 //! 2. *Registration*: an energy that keeps the change smooth (`energy`) and pulls to where the source ought to be
@@ -24,6 +25,7 @@ mod descent;
 mod diagnosis;
 mod doubtful;
 mod energy;
+mod facing;
 mod images;
 mod lie;
 mod look_up;

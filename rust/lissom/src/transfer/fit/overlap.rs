@@ -2,7 +2,8 @@
 //!
 //! Nothing is moved: each vertex belongs to the closest point of the other mesh that faces its way, if it is one
 //! within reach that can be trusted, after R. Abdrashitov, K. Raichstat, J. Monsen, D. Hill 2023, Robust Skin Weights
-//! Transfer via Weight Inpainting. What has none follows its surroundings, as everywhere.
+//! Transfer via Weight Inpainting. The inside of what has a thickness goes with its outside. What has none follows its
+//! surroundings, as everywhere.
 
 use super::diagnosis::{Fit, FitReport, conclude};
 use super::side::{Placed, Side};
@@ -32,8 +33,8 @@ pub fn overlap(source: &Side, onto: &Placed, reach: f64, report: FitReport, job:
     let away = percent_away(&placed, onto, &fit.matches.images, reach, job)?;
     if away >= AWAY_PERCENT {
         fit.report.warnings.push(format!(
-            "overlap: {away:.0} % of the target lie on the source, face away from it and match nothing, as the inside of \
-             clothes with thickness does: transfer before Solidify is applied, or flip faces that point inwards"
+            "overlap: {away:.0} % of the target lie on the source, face away from it and match nothing: flip faces that \
+             point inwards, or raise the match distance beyond the thickness of clothes"
         ));
     }
     let [of_source, of_target] =
