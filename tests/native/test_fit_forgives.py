@@ -301,7 +301,7 @@ def cartoon(head, much):
 
 @pytest.mark.parametrize(
     ("much", "off", "amount", "tolerance"),
-    [(1, 0.5, 0, 0.01), (1.5, 0.75, 0, 0.004), (1.5, 0.75, 0.005, 0.01), (2, 1.2, 0.005, 0.01)],
+    [(1, 0.4, 0, 0.01), (1.5, 0.75, 0, 0.004), (1.5, 0.75, 0.005, 0.01), (2, 1.2, 0.005, 0.01)],
 )
 def test_other_proportions_are_told_by_few_markers(data, much, off, amount, tolerance):
     head = Head(data)
@@ -315,6 +315,8 @@ def test_other_proportions_are_told_by_few_markers(data, much, off, amount, tole
     away = np.linalg.norm(fit.fitted_vertices - drawn, axis=1) / diagonal(drawn)
     # Where the markers let go, 0.59, 1.14 and 3.3 %.
     assert 100 * away.mean() < off
+    if much == 1:
+        assert 100 * away.max() < 2  # 3.4 where borders are free to slide.
     assert fit.report["flipped_triangles"] == 0
 
 

@@ -116,7 +116,7 @@ impl Morph {
         detour: f64,
         job: &Job,
     ) -> Result<()> {
-        let mut look_up = LookUp::new(source, target, detour);
+        let mut look_up = LookUp::new(source, target, detour, false);
         let falling =
             |[from, to]: [f64; 2], stage: usize| from * (to / from).powf(stage as f64 / (STAGES - 1) as f64);
         let mut surface = None;

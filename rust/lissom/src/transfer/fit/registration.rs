@@ -219,7 +219,7 @@ impl<'a> Part<'a> {
         let n = source.mesh.vertices().len();
         let exact = options.marker_tolerance == 0.0;
         let are_led = markers.iter().filter(|m| !m.is_of_curve()).count() >= LED;
-        let mut look_up = LookUp::new(source, target, options.match_distance);
+        let mut look_up = LookUp::new(source, target, options.match_distance, release.is_viscous);
         let total = options.steps * options.rounds;
         let mut surface = None;
         let mut made = 0;
