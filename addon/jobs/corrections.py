@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 from .. import session
 from ..bridge import shape_keys
+from ..bridge.kept import offsets
 from ..bridge.written import Written
 from ..core import corrections
 from ..core.refused import Refused, first
@@ -11,13 +12,14 @@ from ..core.refused import Refused, first
 
 @dataclass
 class Found:
-    """Keys by object: those that are ``locked``, those that were ``edited`` since a transfer wrote them, and
-    those of which that is ``unknown``, since the mesh was remodelled.
+    """Keys by object: those that are ``locked``, ``edited`` since a transfer wrote them, of which that is
+    ``unknown``, since the mesh was remodelled, and ``foreign``, which no transfer wrote.
     """
 
     locked: dict[str, list[str]] = field(default_factory=dict)
     edited: dict[str, list[str]] = field(default_factory=dict)
     unknown: dict[str, list[str]] = field(default_factory=dict)
+    foreign: dict[str, list[str]] = field(default_factory=dict)
 
     @property
     def names(self):
@@ -68,6 +70,8 @@ class Corrections:
         if state == "UNKNOWN":
             self.found.add("unknown", obj, name)
             return self._choice == "OVERWRITE"
+        if state == "FOREIGN" and offsets(blocks[name]).any():
+            self.found.add("foreign", obj, name)
         return True
 
     def writer(self, obj, triangles):
@@ -92,6 +96,7 @@ class Corrections:
             "edited": edited[self._choice],
             "unknown": unknown
             + ("; overwritten" if self._choice == "OVERWRITE" else "; kept, choose Overwrite to write them"),
+            "foreign": "Not made by a transfer, and overwritten, as If Exists says",
         }
         found = {why: getattr(self.found, why) for why in said}
         return [

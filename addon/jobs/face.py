@@ -26,6 +26,10 @@ from .corrections import Corrections
 from .parts import quality_told
 from .transfer_keys import destinations
 
+# What of the core's warnings is not repeated: ears fold on heads that have none. A fold that does harm turns
+# faces over in the keys, and their verdicts say so.
+FOLDED = " fitted triangles face against the target"
+
 
 @dataclass(kw_only=True)
 class FaceAsked(Asked):
@@ -140,7 +144,8 @@ class FaceKeys:
                 if name in plan and (place == 0 or moved.any()):
                     writer.write(plan[name], part.vertices, self._back(place, moved))
                     written[obj.name].append(plan[name])
-        warnings = [*corrections.warnings(), *found.warnings, *found.located.fit.report["warnings"]]
+        of_fit = [line for line in found.located.fit.report["warnings"] if FOLDED not in line]
+        warnings = [*corrections.warnings(), *found.warnings, *of_fit]
         warnings += filter(
             None, [told(obj) for obj in targets for told in (checks.shared_data, arcs.out_of_date)]
         )

@@ -40,6 +40,7 @@ def test_a_mask_gets_keys_without_a_click_and_its_lids_close(mask):
     job = FaceKeys(bpy.context, FaceAsked(target="Mask", parts="Left\nRight"))
     done = job.write(bpy.context, job.work.wait())
     assert not done.stopped and done.sure > 0.75 and len(done.written["Mask"]) == 51
+    assert not [line for line in done.warnings if not line.startswith("Landmarks to look at")]
     assert done.kinds["Left"] == done.kinds["Right"] == ["EYE"]
     blink = head.vertices + delta(obj, "eyeBlinkLeft") + delta(obj, "eyeBlinkRight")
     for side in (0, 1):

@@ -50,6 +50,16 @@ def test_an_edited_key_is_kept_by_default_and_named(capfd):
     assert states(target) == ["EDITED", "WRITTEN"]
 
 
+def test_a_key_that_no_transfer_made_is_named_where_it_is_overwritten(capfd):
+    _, target = transferred()
+    target.data.shape_keys.lissom_written.clear()
+    assert states(target) == ["FOREIGN", "FOREIGN"]
+    bpy.ops.lissom.transfer_keys(keys="ears")
+    assert "Not made by a transfer, and overwritten, as If Exists says: 'ears'" in capfd.readouterr().out
+    bpy.ops.lissom.transfer_keys(keys="ears")
+    assert "Not made by a transfer" not in capfd.readouterr().out
+
+
 def test_an_edited_key_is_overwritten_where_that_is_asked_for():
     _, target = transferred()
     plain = deltas(target, "squash")
@@ -246,6 +256,7 @@ def test_the_command_tells_what_it_found(choice, tmp_path):
         "edited": {"Target": ["squash"]},
         "unknown": {},
         "edited_keys": choice,
+        "foreign": {},
     }
 
 
