@@ -4,6 +4,10 @@ import numpy as np
 
 from ..core import space
 from ..core.mirrors import AXES, Mirrors
+from ..core.refused import Refused
+from .meshes import rest_positions
+
+HALF = 0.1  # of its extent beyond the plane, and less: a neck's rim need not lie on it
 
 
 def of(obj, linear, symmetry="OFF"):
@@ -31,6 +35,19 @@ def left_out(obj):
     return [
         f"Mirror modifier '{m.name}' {_reason(m)}, or its seam may open" for m in _shown(obj) if _reason(m)
     ]
+
+
+def refuse_half(obj):
+    """Refused where a Mirror modifier makes the other half of an object: each key would be of both."""
+    points = rest_positions(obj.data)
+    for modifier in taken(obj):
+        for axis in np.flatnonzero(modifier.use_axis):
+            low, high = points[:, axis].min(), points[:, axis].max()
+            if max(low, -high) > -HALF * (high - low):
+                raise Refused(
+                    f"'{obj.name}' is one half, and its modifier '{modifier.name}' makes the other: "
+                    "apply that first, or each key moves both sides"
+                )
 
 
 def _shown(obj):

@@ -207,7 +207,7 @@ def _guessed(own):
 
 def _unsure(face, located):
     if located is None:
-        return Unsure("no face is found by shape alone", {}, [])
+        return Unsure("no face is found by shape alone; it has to stand upright and look along -Y", {}, [])
     on = located.fit.fitted_vertices[face.landmarks]
     guesses = {mark.name: place for mark, place in zip(FACE, on, strict=True)}
     return Unsure(f"where the face is, is only {100 * located.certainty:.0f} % sure", guesses, located.doubts)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..bridge import arcs, checks, source_face
+from ..bridge import arcs, checks, mirrors, source_face
 from ..bridge import markers as bridge_markers
 from ..bridge.assembly import Assembly
 from ..bridge.meshes import surface
@@ -74,6 +74,7 @@ class FaceKeys:
 
     def __init__(self, context, asked):
         head = checks.mesh_object(asked.target, context)
+        mirrors.refuse_half(head)
         objects = [head, *(checks.mesh_object(name, context) for name in asked.parts.splitlines() if name)]
         objects = list(dict.fromkeys(objects))
         owners = {}

@@ -133,8 +133,10 @@ class LISSOM_OT_face_blinks(JobRunner, bpy.types.Operator):
         return allowed(cls, "")
 
     def asked(self, context):
-        found = "\n".join(eye.name for eye in _eyes(context.scene.lissom_transfer))
-        return BlinksAsked(target=_head(self, context), eyes=self.eyes or found)
+        settings, head = context.scene.lissom_transfer, _head(self, context)
+        of_panel = settings.target is not None and settings.target.name == head
+        found = "\n".join(eye.name for eye in _eyes(settings)) if of_panel else ""
+        return BlinksAsked(target=head, eyes=self.eyes or found)
 
 
 def _eyes(settings):

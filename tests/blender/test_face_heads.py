@@ -15,6 +15,7 @@ from bl_ext.user_default.lissom.bridge import source_face
 from bl_ext.user_default.lissom.core.face_lids import Lids
 from bl_ext.user_default.lissom.core.landmarks import MIDDLES
 from bl_ext.user_default.lissom.core.markers import Marker
+from bl_ext.user_default.lissom.core.refused import Refused
 from bl_ext.user_default.lissom.core.surface import Point
 from bl_ext.user_default.lissom.jobs.face import FaceAsked, FaceKeys
 
@@ -184,6 +185,37 @@ def test_eyes_of_one_mesh_would_turn_together_and_are_refused(mask):
     bpy.context.collection.objects.link(bpy.data.objects.new("Right", left.data))
     with scene.refused("'Left' and 'Right' have one mesh in common"):
         bpy.ops.lissom.face_keys(target="Mask", parts="Left\nRight")
+
+
+def test_half_a_head_that_a_modifier_completes_is_refused(mask):
+    head, whole = mask
+    inside = (head.vertices[head.triangles][..., 0] > -1e-6).all(axis=1)
+    used, faces = np.unique(head.triangles[inside], return_inverse=True)
+    half = scene.mesh_object("Half", head.vertices[used], faces.reshape(-1, 3))
+    for obj in (whole, half):
+        obj.modifiers.new("Mirror", "MIRROR")
+    FaceKeys(bpy.context, FaceAsked(target="Mask"))
+    with pytest.raises(Refused, match="'Half' is one half, and its modifier 'Mirror' makes the other"):
+        FaceKeys(bpy.context, FaceAsked(target="Half"))
+
+
+def test_eyes_of_the_panel_are_of_its_target_alone(mask):
+    for name, eye in zip(("Left", "Right"), mask[0].eyes, strict=True):
+        scene.mesh_object(name, *eye)
+    settings = bpy.context.scene.lissom_transfer
+    settings.target = mask[1]
+    for name in ("Left", "Right"):
+        part = settings.target_parts.add()
+        part.object, part.kind = bpy.data.objects[name], "EYE"
+    other = mask[1].copy()
+    other.name = "Other"
+    bpy.context.scene.collection.objects.link(other)
+    for name, why in (
+        ("Mask", "'Mask' has no blinks of Face Keys"),
+        ("Other", "Add the eyeballs as objects"),
+    ):
+        with pytest.raises(RuntimeError, match=why):
+            bpy.ops.lissom.face_blinks(target=name)
 
 
 @pytest.mark.parametrize(
