@@ -98,15 +98,19 @@ impl Mesh {
         self.reshaped(self.rest.iter().map(|&p| turn * p).collect())
     }
 
-    /// The mesh with its triangles wound alike in each part that hangs together by edges, as most of its area is, and then
-    /// all of them the other way if it is `inside_out`; and which ones were turned.
-    pub(crate) fn wound_alike(&self, inside_out: bool) -> (Self, Vec<bool>) {
+    /// The triangles to turn so that each part that hangs together by edges is wound alike, as most of its area is, and
+    /// then the other way if the mesh is `inside_out`.
+    pub(crate) fn against(&self, inside_out: bool) -> Vec<bool> {
         let against = orientation::against_most(&self.triangles, &self.adjacency, &self.geometry.areas);
-        let over: Vec<bool> = against.into_iter().map(|against| against != inside_out).collect();
-        let triangles = orientation::turn(&self.triangles, &over);
+        against.into_iter().map(|against| against != inside_out).collect()
+    }
+
+    /// The mesh with some of its triangles wound the other way.
+    pub(crate) fn turned_over(&self, over: &[bool]) -> Self {
+        let triangles = orientation::turn(&self.triangles, over);
         let adjacency = Adjacency::of(self.vertices.len(), &triangles);
         let geometry = TriangleGeometry::of(&self.rest, &triangles);
-        (Self { adjacency, geometry, triangles, ..self.clone() }, over)
+        Self { adjacency, geometry, triangles, ..self.clone() }
     }
 
     /// The part of a mesh that some of its triangles make up, in the unit coordinates of the whole.

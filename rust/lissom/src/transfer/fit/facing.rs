@@ -36,10 +36,11 @@ pub struct Wound<'a> {
 
 impl<'a> Wound<'a> {
     fn of(mesh: &'a Mesh, inside_out: bool) -> Self {
-        let (wound, over) = mesh.wound_alike(inside_out);
+        let over = mesh.against(inside_out);
         if !over.contains(&true) {
             return Self { mesh: Cow::Borrowed(mesh), turned: Vec::new() };
         }
+        let wound = mesh.turned_over(&over);
         let mut turned = vec![false; mesh.input_triangles()];
         mesh.triangle_ids().iter().zip(over).for_each(|(&t, over)| turned[t as usize] = over);
         Self { mesh: Cow::Owned(wound), turned }
