@@ -95,7 +95,7 @@ impl Transfer {
         let used = matches.in_use(&source, &target)?;
         let turn = matches.turn;
         let source = if turn == Mat3::IDENTITY { source } else { Arc::new(source.turned(turn)) };
-        let chooser = Chooser::new(&source, &target, &used.pairs, &used.images, options.frames)?;
+        let chooser = Chooser::new(&source, &target, &used, options.frames)?;
         job.check()?;
         let weights = weights(&target, &chooser, options.weighting);
         let sizes = Sizes::new(&source, &target, options.scale, matches.overlap);

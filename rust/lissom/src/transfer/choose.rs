@@ -8,8 +8,9 @@
 
 use rayon::prelude::*;
 
+use super::correspondence::Correspondence;
 use super::frames;
-use super::image::{self, Image, SurfacePoint};
+use super::image::{self, Image};
 use super::options::Frames;
 use super::symmetry::Twins;
 use crate::geometry::groups::Groups;
@@ -146,19 +147,14 @@ struct Patches {
 }
 
 impl Chooser {
-    /// Sorts `pairs` (source triangle, target triangle) by target triangle; `images` has one entry a target
-    /// vertex, or none at all. All count triangles in use.
+    /// Sorts the pairs of `used` by target triangle; its images have one entry a target vertex, or none at all. All count
+    /// triangles in use.
     ///
     /// # Errors
     ///
     /// [`crate::Error::SolveFailed`] where the patches without a match cannot be factored.
-    pub fn new(
-        source: &Mesh,
-        target: &Mesh,
-        pairs: &[[u32; 2]],
-        images: &[Option<SurfacePoint>],
-        frames: Frames,
-    ) -> Result<Self> {
+    pub fn new(source: &Mesh, target: &Mesh, used: &Correspondence, frames: Frames) -> Result<Self> {
+        let Correspondence { pairs, images, .. } = used;
         let mut images: Vec<_> =
             images.iter().map(|image| image.as_ref().map(|&image| Image::on(source, image))).collect();
         let place = |image: &Option<Image>| Some((*image)?.interpolate(|v| source.rest()[v as usize]));
@@ -178,7 +174,7 @@ impl Chooser {
         let mut chooser = Self { images, points, sound, matches, patches: None, frames: none };
         let corners =
             |(t, sound): (&[u32; 3], bool)| sound.then(|| Frame::of(t.map(|v| chooser.points[v as usize])));
-        let mut sound = chooser.find_sound(source, target);
+        let mut sound = chooser.find_sound(source, target, used);
         if let Some(twins) = &twins {
             let of_twin = |twin: &Option<u32>| twin.is_none_or(|twin| sound[twin as usize]);
             let agreed = sound.iter().zip(&twins.triangles[1]).map(|(&own, twin)| own && of_twin(twin));
@@ -198,21 +194,24 @@ impl Chooser {
         Ok(chooser)
     }
 
-    /// Images that keep their size against the other triangles, and the side that they show: the source's, or the other
-    /// one where the triangle itself faces away from the source, as linings do and what is inside out.
-    fn find_sound(&self, source: &Mesh, target: &Mesh) -> Vec<bool> {
-        let of = |(t, &own): (&[u32; 3], &Vec3)| -> Option<(f64, bool)> {
-            let corners = t.map(|v| self.images.get(v as usize).copied().flatten());
-            let [Some(a), Some(b), Some(c)] = corners else { return None };
-            let [p, q, r] = t.map(|v| self.points[v as usize]);
+    /// Images that keep their size against the other triangles, and the side that they show, however either mesh is wound;
+    /// or the other one where meshes overlap and the triangle itself faces away, as linings do.
+    fn find_sound(&self, source: &Mesh, target: &Mesh, matches: &Correspondence) -> Vec<bool> {
+        let over = [source.against(false), target.against(matches.inside_out)];
+        let of = |(t, corners): (usize, &[u32; 3])| -> Option<(f64, bool)> {
+            let images = corners.map(|v| self.images.get(v as usize).copied().flatten());
+            let [Some(a), Some(b), Some(c)] = images else { return None };
+            let [p, q, r] = corners.map(|v| self.points[v as usize]);
             let cross = (q - p).cross(r - p);
-            let normals = [a, b, c].map(|image| source.normals()[image.triangle as usize]);
-            let most = |shows: &dyn Fn(Vec3) -> bool| normals.iter().filter(|&&n| shows(n)).count() >= 2;
-            let alike = most(&|normal| normal.dot(cross) > 0.0);
-            let away = || most(&|normal| normal.dot(cross) < 0.0 && normal.dot(own) < 0.0);
-            Some((0.5 * cross.length(), alike || away()))
+            let shows = |image: Image| {
+                let s = image.triangle as usize;
+                let normal = source.normals()[s] * if over[0][s] != over[1][t] { -1.0 } else { 1.0 };
+                let lines = || matches.overlap && normal.dot(target.normals()[t]) < 0.0;
+                normal.dot(cross) > 0.0 || (lines() && normal.dot(cross) < 0.0)
+            };
+            Some((0.5 * cross.length(), [a, b, c].into_iter().filter(|&i| shows(i)).count() >= 2))
         };
-        let found: Vec<_> = target.triangles().par_iter().zip(target.normals()).map(of).collect();
+        let found: Vec<_> = target.triangles().par_iter().enumerate().map(of).collect();
         let ratio = |(found, &area): (&Option<(f64, bool)>, &f64)| found.map(|(image, _)| image / area);
         let mut ratios: Vec<f64> = found.iter().zip(target.areas()).filter_map(ratio).collect();
         ratios.retain(|r| r.is_finite() && *r > 0.0);

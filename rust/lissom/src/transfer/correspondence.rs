@@ -29,6 +29,8 @@ pub struct Correspondence {
     pub turn: Mat3,
     /// The meshes lie on each other as they are: motions keep their size.
     pub overlap: bool,
+    /// The target faces the other way than the source: one of the two is inside out.
+    pub inside_out: bool,
 }
 
 impl Correspondence {
@@ -46,8 +48,8 @@ impl Correspondence {
         let pairs = pairs_in_use(source, target, &self.pairs)?;
         let images = images_in_use(source, target, &self.images)?;
         let back_images = images_in_use(target, source, &self.back_images)?;
-        let (curves, turn, overlap) = (self.curves.clone(), self.turn, self.overlap);
-        Ok(Self { pairs, images, back_images, curves, turn, overlap })
+        let curves = self.curves.clone();
+        Ok(Self { pairs, images, back_images, curves, ..*self })
     }
 }
 

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::astray::register_less_astray;
 use super::diagnosis::{Fit, FitReport, conclude};
-use super::facing::wound_alike;
+use super::facing::{INSIDE_OUT, wound_alike};
 use super::marked::Marked;
 use super::morph::{self, Morph};
 use super::options::FitOptions;
@@ -58,10 +58,14 @@ pub fn fit_correspondence(
     }
     job.report(0.0, "fit");
     job.check()?;
-    let [from, onto] = wound_alike(source, target, markers, options, &mut warnings, job)?;
+    let ([from, onto], inside_out) = wound_alike(source, target, markers, options, job)?;
+    if inside_out {
+        warnings.push(INSIDE_OUT.into());
+    }
     let mut fit = fit_wound(&from.mesh, &onto.mesh, markers, options, warnings, job)?;
     from.as_given(&mut fit.matches.images);
     onto.as_given(&mut fit.matches.back_images);
+    fit.matches.inside_out = inside_out;
     fit.report.seconds = start.elapsed().as_secs_f64();
     job.report(1.0, "match");
     Ok(fit)

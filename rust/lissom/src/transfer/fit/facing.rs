@@ -26,6 +26,11 @@ const NEARER: f64 = 0.7;
 /// So many triangles tell.
 const ASKED: usize = 2000;
 
+/// What is said of a target that is turned as a whole.
+pub const INSIDE_OUT: &str = "the target's faces look the other way than the source's: one of the two is inside out. The \
+                              target is fitted as if turned; in Blender, Mesh > Normals > Recalculate Outside turns it \
+                              for good";
+
 /// A mesh with its triangles wound alike.
 pub struct Wound<'a> {
     /// It, with the triangles of the one that was given, in their order.
@@ -56,7 +61,7 @@ impl<'a> Wound<'a> {
     }
 }
 
-/// Both meshes wound alike, with a warning where all of the target is turned.
+/// Both meshes wound alike, and whether that turns all of the target.
 ///
 /// # Errors
 ///
@@ -66,23 +71,16 @@ pub fn wound_alike<'a>(
     target: &'a Mesh,
     markers: Option<&[[u32; 2]]>,
     options: &FitOptions,
-    warnings: &mut Vec<String>,
     job: &Job,
-) -> Result<[Wound<'a>; 2]> {
+) -> Result<([Wound<'a>; 2], bool)> {
     let (own, as_it_is) = rayon::join(|| Wound::of(source, false), || Wound::of(target, false));
-    if enclosed(&own.mesh) * enclosed(&as_it_is.mesh) >= 0.0 {
-        return Ok([own, as_it_is]);
+    if enclosed(&own.mesh) * enclosed(&as_it_is.mesh) < 0.0 {
+        let turned = Wound::of(target, true);
+        if lies_better(&own.mesh, [&as_it_is.mesh, &turned.mesh], markers, options, job)? {
+            return Ok(([own, turned], true));
+        }
     }
-    let turned = Wound::of(target, true);
-    if !lies_better(&own.mesh, [&as_it_is.mesh, &turned.mesh], markers, options, job)? {
-        return Ok([own, as_it_is]);
-    }
-    warnings.push(
-        "the target's faces look the other way than the source's: one of the two is inside out. The target is fitted as if \
-         turned; in Blender, Mesh > Normals > Recalculate Outside turns it for good"
-            .into(),
-    );
-    Ok([own, turned])
+    Ok(([own, as_it_is], false))
 }
 
 /// Six times the volume between the surface and its centroid: below 0 where it is inside out.

@@ -106,7 +106,8 @@ pub fn register(
     if off(lie, &free.vertices) < MET * options.marker_tolerance {
         return Ok(free);
     }
-    let led = with(&Release::following(options), &(middle..progress.end))?;
+    let following = Release { borders: true, ..Release::following(options) };
+    let led = with(&following, &(middle..progress.end))?;
     let rounds = free.rounds + led.rounds;
     let fits = [&free, &led].map(|fit| fit.vertices.as_slice());
     let is_better = proportions::differ(fits, source, target, lie, options.match_distance, job)?;
@@ -219,7 +220,7 @@ impl<'a> Part<'a> {
         let n = source.mesh.vertices().len();
         let exact = options.marker_tolerance == 0.0;
         let are_led = markers.iter().filter(|m| !m.is_of_curve()).count() >= LED;
-        let mut look_up = LookUp::new(source, target, options.match_distance, release.is_viscous);
+        let mut look_up = LookUp::new(source, target, options.match_distance, release.borders);
         let total = options.steps * options.rounds;
         let mut surface = None;
         let mut made = 0;

@@ -39,6 +39,8 @@ pub struct Release {
     pub steps: usize,
     /// Whether `E_I` holds against the step before.
     pub is_viscous: bool,
+    /// Whether borders are drawn together ([`super::look_up`]).
+    pub borders: bool,
 }
 
 impl Release {
@@ -56,6 +58,7 @@ impl Release {
                 within: 0.15 * tolerance * told,
                 steps: 1,
                 is_viscous: false,
+                borders: false,
             };
         }
         Self::sliding(if points < FEWEST { FEW } else { told }, tolerance)
@@ -74,6 +77,7 @@ impl Release {
             within: 0.3 * tolerance,
             steps: 3,
             is_viscous: false,
+            borders: false,
         }
     }
 }
